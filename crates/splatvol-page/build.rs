@@ -1,5 +1,5 @@
-//! Includes the engines for browsers, if `cargo xtask web` and `cargo xtask-webgpu` have built them of these sources. Nothing is
-//! built here: programs that write no pages need no compiler for WebAssembly.
+//! Includes the engines and the readers for browsers, if `cargo xtask web` and `cargo xtask-webgpu` have built them of these sources.
+//! Nothing is built here: programs that write no pages need no compiler for WebAssembly.
 
 #[path = "sources.rs"]
 #[expect(dead_code, reason = "the place of a module that is not included")]
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=engine");
-    let engine = "splatvol_web.wasm.gz";
-    let code = match is_built(&[engine], ("sources.txt", &sources::SOURCES)) {
-        Some(true) => format!("Ok({})", included(engine)),
+    let (engine, readers) = ("splatvol_web.wasm.gz", "splatvol_readers.wasm.gz");
+    let code = match is_built(&[engine, readers], ("sources.txt", &sources::SOURCES)) {
+        Some(true) => format!("Ok([{}, {}])", included(engine), included(readers)),
         Some(false) => "Err(Absent::OutOfDate)".to_owned(),
         None => "Err(Absent::NotBuilt)".to_owned(),
     };

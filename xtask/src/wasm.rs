@@ -1,5 +1,5 @@
 //! `cargo xtask wasm`: everything but the command builds for WebAssembly. `cargo xtask web`: builds the engine for
-//! browsers, which programs built after that include in their pages.
+//! browsers, and the readers of files, which programs built after that include in their pages.
 //!
 //! If the target's std is not installed, either is skipped with a message.
 
@@ -27,12 +27,29 @@ const CRATES: [&str; 5] = [
     "splatvol-samples",
     "splatvol-web",
 ];
-/// The package of the engine for browsers.
-const ENGINE: &str = "splatvol-web";
-/// Its module, packed.
-const MODULE: &str = "splatvol_web.wasm.gz";
-/// What JavaScript calls.
-const EXPORTS: [&str; 2] = ["splatvol_message", "splatvol_answer"];
+/// The package of the modules for browsers.
+const PACKAGE: &str = "splatvol-web";
+/// A module of the package.
+struct Module {
+    /// Its name, and that of its file.
+    name: &'static str,
+    /// What JavaScript calls.
+    exports: [&'static str; 2],
+    /// How many functions it imports of the page.
+    imports: usize,
+}
+const MODULES: [Module; 2] = [
+    Module {
+        name: "splatvol_web",
+        exports: ["splatvol_message", "splatvol_answer"],
+        imports: 0,
+    },
+    Module {
+        name: "splatvol_readers",
+        exports: ["splatvol_message", "splatvol_read"],
+        imports: 1,
+    },
+];
 /// Where programs look for the engine, in the repository.
 pub(crate) const PLACE: &str = "crates/splatvol-page/engine";
 
@@ -76,35 +93,41 @@ pub(crate) fn not_installed() -> String {
     format!("skipped: std for {TARGET} is not installed (rustup target add {TARGET})")
 }
 
-/// Builds the engine for browsers, and puts it where programs look for it.
+/// Builds the engine for browsers, and the readers, and puts them where programs look for them.
 pub(crate) fn build_engine(root: &Path) -> Result<String> {
     let Some(folder) = standard_library()? else {
         return Ok(not_installed());
     };
     let digest = sources::digest(root, &sources::SOURCES).context("the engine's sources cannot be read")?;
     let place = root.join(PLACE);
-    let (packed, sources) = (place.join(MODULE), place.join("sources.txt"));
-    if packed.is_file() && std::fs::read_to_string(&sources).is_ok_and(|sources| sources == digest) {
-        return Ok(format!(
-            "the engine for browsers is up to date, {} bytes",
-            packed.metadata()?.len()
-        ));
+    let packed = MODULES.map(|module| place.join(format!("{}.wasm.gz", module.name)));
+    let sources = place.join("sources.txt");
+    let is_up_to_date = std::fs::read_to_string(&sources).is_ok_and(|sources| sources == digest);
+    if is_up_to_date && packed.iter().all(|module| module.is_file()) {
+        return Ok("the engine and the readers for browsers are up to date".to_owned());
     }
     let status = Command::new(env!("CARGO"))
         .current_dir(root)
         .args(["rustc", "--locked", "--profile", "web", "--target", TARGET])
-        .args(["--package", ENGINE, "--lib", "--crate-type", "staticlib"])
+        .args(["--package", PACKAGE, "--lib", "--crate-type", "staticlib"])
         .status()
         .context("cannot start cargo")?;
-    ensure!(status.success(), "{ENGINE} does not build for {TARGET}");
+    ensure!(status.success(), "{PACKAGE} does not build for {TARGET}");
     let built = target_folder(root)?.join(TARGET).join("web");
-    let module = without_custom_sections(&linked(&built)?)?;
-    let bytes = pack(&packed, &module)?;
+    let mut said = Vec::new();
+    for (module, packed) in MODULES.iter().zip(&packed) {
+        let bytes = without_custom_sections(&module.linked(&built)?, module.imports)?;
+        let in_gzip = pack(packed, &bytes)?;
+        said.push(format!(
+            "{} has {} bytes, {in_gzip} in gzip",
+            module.name,
+            bytes.len()
+        ));
+    }
     std::fs::write(&sources, digest).with_context(|| sources.display().to_string())?;
     Ok(format!(
-        "the engine for browsers has {} bytes, {} in gzip, by the std in {}; programs built from now on include it",
-        module.len(),
-        bytes,
+        "{}; by the std in {}; programs built from now on include them",
+        said.join(", "),
         folder.display()
     ))
 }
@@ -118,28 +141,30 @@ pub(crate) fn pack(path: &Path, bytes: &[u8]) -> Result<usize> {
     Ok(packed.len())
 }
 
-/// The module of the library in a folder. Cargo's own link would export every name of the crates that it depends on, and keep
-/// them: bindings to all of JavaScript, which nothing calls, and which would ask for imports.
-fn linked(folder: &Path) -> Result<Vec<u8>> {
-    let module = folder.join("splatvol_web.wasm");
-    let status = Command::new(linker()?)
-        .args([
-            "-flavor",
-            "wasm",
-            "--no-entry",
-            "--gc-sections",
-            "--strip-all",
-            "-O2",
-        ])
-        .args(["--allow-undefined", "--stack-first", "-z", "stack-size=1048576"])
-        .args(EXPORTS.map(|name| format!("--export={name}")))
-        .arg(folder.join("libsplatvol_web.a"))
-        .arg("-o")
-        .arg(&module)
-        .status()
-        .context("cannot start the linker")?;
-    ensure!(status.success(), "{ENGINE} does not link");
-    std::fs::read(&module).with_context(|| module.display().to_string())
+impl Module {
+    /// The module, of the library in a folder: what its exports reach. Cargo's own link would export every name of the crates that
+    /// it depends on, and keep them: bindings to all of JavaScript, which nothing calls, and which would ask for imports.
+    fn linked(&self, folder: &Path) -> Result<Vec<u8>> {
+        let module = folder.join(format!("{}.wasm", self.name));
+        let status = Command::new(linker()?)
+            .args([
+                "-flavor",
+                "wasm",
+                "--no-entry",
+                "--gc-sections",
+                "--strip-all",
+                "-O2",
+            ])
+            .args(["--allow-undefined", "--stack-first", "-z", "stack-size=1048576"])
+            .args(self.exports.map(|name| format!("--export={name}")))
+            .arg(folder.join("libsplatvol_web.a"))
+            .arg("-o")
+            .arg(&module)
+            .status()
+            .context("cannot start the linker")?;
+        ensure!(status.success(), "{} does not link", self.name);
+        std::fs::read(&module).with_context(|| module.display().to_string())
+    }
 }
 
 /// The linker that is asked for, or the one of the compiler.
@@ -163,29 +188,31 @@ fn linker() -> Result<PathBuf> {
 /// Length of a WebAssembly module's magic number and version.
 const HEAD: usize = 8;
 
-/// A module without its custom sections, which nothing reads, and which has to import nothing.
-fn without_custom_sections(module: &[u8]) -> Result<Vec<u8>> {
+/// A module without its custom sections, which nothing reads, and which imports so many functions.
+fn without_custom_sections(module: &[u8], imports: usize) -> Result<Vec<u8>> {
     const CUSTOM: u8 = 0;
     const IMPORTS: u8 = 2;
-    ensure!(
-        module.starts_with(b"\0asm"),
-        "the engine is no WebAssembly module"
-    );
+    ensure!(module.starts_with(b"\0asm"), "it is no WebAssembly module");
     let mut kept = module[..HEAD].to_vec();
     let mut rest = &module[HEAD..];
+    let mut imported = 0;
     while let [kind, after @ ..] = rest {
         let (length, digits) = leb128(after).context("a section has no length")?;
         let end = 1 + digits + length;
         ensure!(end <= rest.len(), "a section ends beyond the module");
-        ensure!(
-            *kind != IMPORTS || after.get(digits) == Some(&0),
-            "the engine imports something"
-        );
+        if *kind == IMPORTS {
+            let (count, _) = leb128(&after[digits..]).context("imports have no number")?;
+            imported += count;
+        }
         if *kind != CUSTOM {
             kept.extend_from_slice(&rest[..end]);
         }
         rest = &rest[end..];
     }
+    ensure!(
+        imported == imports,
+        "the module imports {imported} functions, not {imports}"
+    );
     Ok(kept)
 }
 
@@ -236,21 +263,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn custom_sections_are_left_out_and_imports_are_refused() {
+    fn custom_sections_are_left_out_and_imports_are_counted() {
         let head = b"\0asm\x01\0\0\0";
         let (types, custom): (&[u8], &[u8]) = (&[1, 2, 9, 9], &[0, 0x83, 0, 7, 7, 7]);
         let module = [head, custom, types, custom].concat();
-        assert_eq!(without_custom_sections(&module).unwrap(), [head, types].concat());
+        assert_eq!(
+            without_custom_sections(&module, 0).unwrap(),
+            [head, types].concat()
+        );
         let nothing = [&head[..], &[2, 1, 0]].concat();
-        assert_eq!(without_custom_sections(&nothing).unwrap(), nothing);
+        assert_eq!(without_custom_sections(&nothing, 0).unwrap(), nothing);
         let imports = [&head[..], &[2, 2, 1, 0]].concat();
-        assert!(without_custom_sections(&imports).is_err());
+        assert!(without_custom_sections(&imports, 0).is_err());
+        assert_eq!(without_custom_sections(&imports, 1).unwrap(), imports);
         for broken in [
             &b"wasm"[..],
             &[&head[..], &[1, 9, 0]].concat(),
             &[&head[..], &[1]].concat(),
         ] {
-            assert!(without_custom_sections(broken).is_err());
+            assert!(without_custom_sections(broken, 0).is_err());
         }
     }
 }

@@ -24,12 +24,12 @@ use glam::DVec3;
 use splatvol_scene::{Gaussians, Mesh, Points, Volume};
 
 use crate::points::{self, height_field};
-use crate::remote;
 use crate::{
     DepthImageOptions, Description, GaussiansDescription, HeightFieldOptions, IoError, Loaded,
     LoadedGaussians, LoadedMesh, LoadedPoints, ReadOptions, is_gaussians, is_mesh, is_plot3d_pair,
     read_depth_images, read_gaussians, read_height_field, read_mesh, read_points, read_volume, volume,
 };
+use crate::{files, remote};
 
 /// Data of any kind that can be read.
 #[derive(Debug, Clone)]
@@ -152,13 +152,13 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     if remote::address(path).is_some() {
         return Ok(DataKind::Volume);
     }
-    if !path.exists() {
+    if !files::exists(path) {
         volume::known(path)?;
     }
     if is_gaussians(path) {
         return Ok(DataKind::Gaussians);
     }
-    if path.is_dir() {
+    if files::is_dir(path) {
         return volume::known(path).map(|()| DataKind::Volume);
     }
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();

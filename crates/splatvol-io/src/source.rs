@@ -4,7 +4,6 @@
 //! ratio that deflate can reach, RFC 1951) where it is compressed. A header's claims are checked against it, so that
 //! a hundred bytes that claim 17 GB are refused without an allocation.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
@@ -12,6 +11,7 @@ use flate2::bufread::{GzDecoder, ZlibDecoder};
 
 use crate::IoError;
 use crate::error::Context;
+use crate::files::{self, File};
 
 /// Best ratio of deflate: 258 bytes from 2 bits.
 const DEFLATE_RATIO: u64 = 1032;
@@ -59,7 +59,7 @@ impl Source<'static> {
             source,
             path: path.to_owned(),
         };
-        let metadata = std::fs::metadata(path).map_err(open)?;
+        let metadata = files::metadata(path).map_err(open)?;
         if !metadata.is_file() {
             return Err(open(io::Error::other("not a regular file")));
         }
@@ -362,7 +362,7 @@ pub(crate) fn companion(
     };
     let data = folder.join(name);
     let real = |path: &Path| {
-        path.canonicalize().map_err(|source| match source.kind() {
+        files::canonicalize(path).map_err(|source| match source.kind() {
             io::ErrorKind::NotFound => IoError::MissingDataFile {
                 data: data.clone(),
                 path: context.path.to_owned(),
@@ -384,7 +384,7 @@ pub(crate) fn companion(
     if real_data == real_header {
         return Err(context.field(field, name, offset, "a data file, not the header itself"));
     }
-    if !real_data.is_file() {
+    if !files::is_file(&real_data) {
         return Err(context.field(field, name, offset, "a regular file"));
     }
     Ok(data)
@@ -395,7 +395,7 @@ pub(crate) fn check_inside(link: &Path, folder: &Path, context: &Context<'_>) ->
     if context.allow_outside {
         return Ok(());
     }
-    let (Ok(target), Ok(folder)) = (link.canonicalize(), folder.canonicalize()) else {
+    let (Ok(target), Ok(folder)) = (files::canonicalize(link), files::canonicalize(folder)) else {
         return Ok(());
     };
     match target.starts_with(folder) {

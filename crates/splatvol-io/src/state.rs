@@ -1,13 +1,12 @@
 //! State of files: what tells one version of a file from another, without reading all of it.
 
-use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+use crate::files::{self, File, read_at};
 use crate::key_store::{ByteRange, KeyStore};
-use crate::positioned::read_at;
 use crate::{IoError, remote};
 
 /// Bytes of a piece of a file, and how many pieces count.
@@ -30,7 +29,7 @@ pub fn state_of_files(files: &[PathBuf]) -> Result<String, IoError> {
     for path in files {
         let added = match remote::address(path) {
             Some(address) => add_store(&mut hash, &*remote::open(address)?),
-            None if path.is_dir() => add_folder(&mut hash, path),
+            None if files::is_dir(path) => add_folder(&mut hash, path),
             None => add_file(&mut hash, path),
         };
         added.map_err(|source| IoError::Open {
@@ -68,11 +67,11 @@ fn add_store(hash: &mut Sha256, store: &dyn KeyStore) -> io::Result<()> {
 }
 
 fn add_folder(hash: &mut Sha256, folder: &Path) -> io::Result<()> {
-    let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
-    entries.sort_by_key(fs::DirEntry::file_name);
+    let mut entries = files::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_by_key(files::DirEntry::file_name);
     for (number, entry) in entries.into_iter().enumerate() {
         hash.update(entry.file_name().as_encoded_bytes());
-        let metadata = fs::metadata(entry.path())?;
+        let metadata = files::metadata(entry.path())?;
         match metadata.is_file() {
             true if number < MOST_IN_FOLDER => add_file(hash, &entry.path())?,
             true => hash.update(metadata.len().to_le_bytes()),
@@ -91,7 +90,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.raw");
         let state = |bytes: &[u8]| {
-            fs::write(&path, bytes).unwrap();
+            std::fs::write(&path, bytes).unwrap();
             state_of_files(std::slice::from_ref(&path)).unwrap()
         };
         let large: Vec<u8> = (0..200_000u32).map(|i| (i % 251) as u8).collect();
@@ -108,7 +107,7 @@ mod tests {
         }
         assert_ne!(state(b"1"), state(b"2"));
         let whole = state_of_files(&[folder.path().to_owned()]).unwrap();
-        fs::write(folder.path().join("b"), b"more").unwrap();
+        std::fs::write(folder.path().join("b"), b"more").unwrap();
         assert_ne!(state_of_files(&[folder.path().to_owned()]).unwrap(), whole);
         let error = state_of_files(&[folder.path().join("none")])
             .unwrap_err()

@@ -180,7 +180,7 @@ function buildPanel(view) {
   const redo = button("Redo", () => view.step(1));
   panel.append(element("h2", {}, "Changes"), element("div", { className: "buttons" }, undo, redo,
     button("All as it was", () => view.reset()), button("Save picture", () => view.save())));
-  const keys = KEYS.flatMap(([key, does]) => [element("dt", {}, key), element("dd", {}, does)]);
+  const keys = [...KEYS, ...(hasReaders() ? [["O, drop", "open files in place of these"]] : [])].flatMap(([key, does]) => [element("dt", {}, key), element("dd", {}, does)]);
   panel.append(element("details", {}, element("summary", {}, "Mouse, fingers and keys"), element("dl", { id: "keys" }, ...keys)),
     element("details", {}, element("summary", {}, "About this page"),
       element("ul", {}, ...view.facts.about.map((text) => element("li", {}, text)))));

@@ -1,12 +1,16 @@
 // The engine: instances of the module in workers, or one in the page where workers are blocked.
 
-/** An instance: a message in, an answer out. Its source also runs in workers, so it uses nothing from outside. */
-function instance() {
+/**
+ * An instance: a message in, an answer out, by a function of the module. Its source also runs in workers, so it uses nothing from
+ * outside.
+ */
+function instance(answered = "splatvol_answer", imports = {}) {
   let exports = null;
   return {
     async start(module) {
-      exports = (await WebAssembly.instantiate(module, {})).exports;
+      exports = (await WebAssembly.instantiate(module, imports)).exports;
     },
+    memory: () => new Uint8Array(exports.memory.buffer),
     ask(header, bytes) {
       const text = new TextEncoder().encode(JSON.stringify(header));
       const extra = bytes || new Uint8Array(0);
@@ -14,7 +18,7 @@ function instance() {
       const message = new Uint8Array(exports.memory.buffer, place, text.length + extra.length);
       message.set(text);
       message.set(extra, text.length);
-      const answer = exports.splatvol_answer() >>> 0;
+      const answer = exports[answered]() >>> 0;
       const memory = exports.memory.buffer;
       const view = new DataView(memory);
       const [said, pixels] = [view.getUint32(answer, true), view.getUint32(answer + 4, true)];
@@ -82,6 +86,8 @@ function inWorker(module, url) {
       clearTimeout(timer);
       if (data.ready) {
         resolve(member);
+      } else if (data.progress !== undefined) {
+        member.progress(data.progress);
       } else if (waiting.length === 0) {
         reject(new Error(data.failed));
       } else if (data.failed) {
@@ -117,12 +123,19 @@ async function inPage(module) {
 /** Starts so many instances in workers, or one in the page if workers are blocked. */
 async function startPool(module, count) {
   const source = `"use strict";\n${instance}\n(${work})(instance);\n`;
+  try {
+    const members = await inBlob(source, (url) => Promise.all(Array.from({ length: count }, () => inWorker(module, url))));
+    return { members, workers: count, module };
+  } catch (_blocked) {
+    return { members: [await inPage(module)], workers: 0, module };
+  }
+}
+
+/** What is made of the address of a script, which is there meanwhile. */
+async function inBlob(source, make) {
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   try {
-    const members = await Promise.all(Array.from({ length: count }, () => inWorker(module, url)));
-    return { members, workers: count };
-  } catch (_blocked) {
-    return { members: [await inPage(module)], workers: 0 };
+    return await make(url);
   } finally {
     URL.revokeObjectURL(url);
   }

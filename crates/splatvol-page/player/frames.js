@@ -45,6 +45,7 @@ class Frames {
     this.job = null;
     this.timer = 0;
     this.held = false;
+    this.isOver = false;
     // Milliseconds per pixel of the last final picture, one member working.
     this.cost = 0;
     this.listeners = [];
@@ -92,6 +93,13 @@ class Frames {
     this.shown = this.changes;
     this.final = true;
     this.told();
+  }
+
+  /** Ends all members: others show something else. */
+  end() {
+    clearTimeout(this.timer);
+    Object.assign(this, { held: true, isOver: true, job: null });
+    this.members.forEach((member) => member.end());
   }
 
   told() {

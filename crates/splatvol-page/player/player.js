@@ -17,7 +17,7 @@ function copied(value) {
 
 /** The state of the page: the camera, the looks, the cut; and what is still to be told to the instances. */
 class View {
-  constructor(facts, page) {
+  constructor(facts, notes) {
     this.facts = facts;
     const { camera, effects, size } = facts.document;
     const projection = camera.fov === undefined
@@ -43,7 +43,7 @@ class View {
       values.span = [Math.min(extremes[0], range[0]), Math.max(extremes[1], range[1])];
       if (values.span[0] === values.span[1]) values.span[1] += 1;
     }
-    facts.about = page.notes;
+    facts.about = notes;
     this.trouble = trouble;
   }
 
@@ -197,7 +197,7 @@ class View {
 }
 
 /** Mouse, pen and fingers on the picture. */
-function hearPointers(canvas, view) {
+function hearPointers(canvas, shown) {
   const down = new Map();
   const middle = () => {
     const all = [...down.values()];
@@ -220,31 +220,31 @@ function hearPointers(canvas, view) {
     const height = canvas.clientHeight || 1;
     const [x, y] = [0, 1].map((i) => (now.centre[i] - before.centre[i]) / height);
     if (down.size > 1) {
-      let pose = panned(view.pose, x, y);
+      let pose = panned(shown.view.pose, x, y);
       if (before.reach > 0 && now.reach > 0) pose = zoomed(pose, now.reach / before.reach);
       let twist = (now.angle - before.angle) / RADIANS;
       twist -= 360 * Math.round(twist / 360);
-      view.turn(orbited(pose, 0, 0, -twist));
+      shown.view.turn(orbited(pose, 0, 0, -twist));
     } else if (event.shiftKey || event.buttons === 4) {
-      view.turn(panned(view.pose, x, y));
+      shown.view.turn(panned(shown.view.pose, x, y));
     } else if (event.ctrlKey) {
-      view.turn(orbited(view.pose, 0, 0, -DEGREES * x));
+      shown.view.turn(orbited(shown.view.pose, 0, 0, -DEGREES * x));
     } else if (event.buttons === 2) {
-      view.turn(zoomed(view.pose, 2 ** (-2 * y)));
+      shown.view.turn(zoomed(shown.view.pose, 2 ** (-2 * y)));
     } else {
-      view.turn(orbited(view.pose, -DEGREES * x, DEGREES * y));
+      shown.view.turn(orbited(shown.view.pose, -DEGREES * x, DEGREES * y));
     }
   });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const lines = event.deltaMode === 1 ? 30 : 1;
-    view.turn(zoomed(view.pose, 2 ** (-event.deltaY * lines / 400)));
+    shown.view.turn(zoomed(shown.view.pose, 2 ** (-event.deltaY * lines / 400)));
   }, { passive: false });
 }
 
 /** Keys on the picture. Arrows do what a drag in their direction does. */
-function hearKeys(canvas, view) {
+function hearKeys(canvas, shown) {
   const step = 7.5;
   const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   const views = { 1: "front", 2: "back", 3: "right", 4: "left", 7: "top", 8: "bottom", 9: "iso" };
@@ -252,15 +252,15 @@ function hearKeys(canvas, view) {
     const { key } = event;
     const arrow = arrows[key];
     const act = () => {
-      if (arrow && event.altKey) return view.turn(panned(view.pose, arrow[0] / 20, -arrow[1] / 20));
-      if (arrow && event.shiftKey) return view.turn(orbited(view.pose, 0, 0, -step * arrow[0]));
-      if (arrow) return view.turn(orbited(view.pose, -step * arrow[0], -step * arrow[1]));
-      if (key === "+" || key === "=") return view.turn(zoomed(view.pose, 1.15));
-      if (key === "-" || key === "−") return view.turn(zoomed(view.pose, 1 / 1.15));
-      if (key === "Home" || key === "Enter") return view.home();
-      if (key === "[" || key === "]") return view.strengthen(key === "]" ? 1.25 : 0.8);
-      if (key.toLowerCase() === "p" && !event.ctrlKey && !event.metaKey) return view.save();
-      if (views[key] && !event.ctrlKey && !event.metaKey && !event.altKey) return view.look(views[key]);
+      if (arrow && event.altKey) return shown.view.turn(panned(shown.view.pose, arrow[0] / 20, -arrow[1] / 20));
+      if (arrow && event.shiftKey) return shown.view.turn(orbited(shown.view.pose, 0, 0, -step * arrow[0]));
+      if (arrow) return shown.view.turn(orbited(shown.view.pose, -step * arrow[0], -step * arrow[1]));
+      if (key === "+" || key === "=") return shown.view.turn(zoomed(shown.view.pose, 1.15));
+      if (key === "-" || key === "−") return shown.view.turn(zoomed(shown.view.pose, 1 / 1.15));
+      if (key === "Home" || key === "Enter") return shown.view.home();
+      if (key === "[" || key === "]") return shown.view.strengthen(key === "]" ? 1.25 : 0.8);
+      if (key.toLowerCase() === "p" && !event.ctrlKey && !event.metaKey) return shown.view.save();
+      if (views[key] && !event.ctrlKey && !event.metaKey && !event.altKey) return shown.view.look(views[key]);
       return null;
     };
     if (act() !== null) event.preventDefault();
@@ -268,7 +268,7 @@ function hearKeys(canvas, view) {
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
     event.preventDefault();
-    view.step(event.shiftKey ? 1 : -1);
+    shown.view.step(event.shiftKey ? 1 : -1);
   });
 }
 
@@ -279,12 +279,20 @@ async function startInstances(page) {
     unpacked(bytesOf("engine")).then((bytes) => WebAssembly.compile(bytes)),
     unpacked(bytesOf("samples")),
   ]);
-  const pool = await startPool(module, memberCount(samples.length));
   $("status").textContent = "Preparing the picture.";
-  const open = { do: "open", document: page.document, data: page.data };
+  return openData(module, { document: page.document, data: page.data }, samples);
+}
+
+/** Instances with data, and what they say of these. */
+async function openData(module, message, samples) {
+  const pool = await startPool(module, memberCount(samples.length));
+  const open = { do: "open", ...message };
   const answers = await Promise.all(pool.members.map((member) => member.ask(open, samples)));
   const facts = answers[0].header;
-  if (facts.error) throw new Error(facts.error);
+  if (facts.error) {
+    pool.members.forEach((member) => member.end());
+    throw new Error(facts.error);
+  }
   const opening = mayHaveWebGpu() ? { open, samples } : null;
   return { pool: { ...pool, opening }, facts };
 }
@@ -304,6 +312,7 @@ async function quicken({ view, frames, pool }, force) {
       changes = frames.changes;
       await told(member, view.allEdits());
     }
+    if (frames.isOver) throw new Error("something else is shown by now");
     frames.quickened(member);
     return true;
   } catch (error) {
@@ -338,23 +347,51 @@ function noWebGpu(error) {
   return false;
 }
 
+/** What the page shows: first what it was made for, then what is opened in it. */
+class Shown {
+  constructor(opened, notes) {
+    // Files are opened one after the other.
+    this.opening = Promise.resolve();
+    this.begin(opened, notes);
+  }
+
+  begin({ pool, facts }, notes) {
+    const view = new View(facts, notes);
+    const frames = new Frames($("view"), pool, view);
+    view.frames = frames;
+    view.panel = buildPanel(view);
+    view.panel.curves(view.looks);
+    view.steps();
+    Object.assign(this, { view, frames, pool });
+    frames.changed();
+    frames.settled().then(() => quicken({ view, frames, pool }, false)).catch(noWebGpu);
+  }
+
+  /** Opens files, once those of before are opened. */
+  open(files) {
+    if (!hasReaders()) throw new Error("this page has no readers of files");
+    this.opening = this.opening.then(files).then((list) => openFiles(this, list)).catch((error) => trouble(String(error)));
+  }
+
+  /** Shows something else. */
+  show(opened, title, notes) {
+    this.frames.end();
+    document.title = title;
+    document.querySelector("h1").textContent = title;
+    $("view").setAttribute("aria-label", `Picture of ${title}, rendered by splatvol`);
+    $("controls").replaceChildren();
+    this.begin(opened, notes);
+  }
+}
+
 async function main() {
   const page = JSON.parse($("facts").textContent);
-  const { pool, facts } = await (page.served ? startServed(page) : startInstances(page));
-  const canvas = $("view");
-  const view = new View(facts, page);
-  const frames = new Frames(canvas, pool, view);
-  view.frames = frames;
-  view.panel = buildPanel(view);
-  view.panel.curves(view.looks);
-  view.steps();
-  hearPointers(canvas, view);
-  hearKeys(canvas, view);
-  new ResizeObserver(() => frames.changed()).observe($("stage"));
-  frames.changed();
-  const parts = { view, frames, pool };
-  frames.settled().then(() => quicken(parts, false)).catch(noWebGpu);
-  return parts;
+  const shown = new Shown(await (page.served ? startServed(page) : startInstances(page)), page.notes);
+  hearPointers($("view"), shown);
+  hearKeys($("view"), shown);
+  if (hasReaders()) hearFiles(shown);
+  new ResizeObserver(() => shown.frames.changed()).observe($("stage"));
+  return shown;
 }
 
 const started = main().catch((error) => {
@@ -365,7 +402,8 @@ const started = main().catch((error) => {
 
 /**
  * For scripts: the picture of any size as it would be shown, when the page shows it finally, and by how many workers; whether
- * WebGPU makes the drafts, even if its device is imitated, and what it draws.
+ * WebGPU makes the drafts, even if its device is imitated, and what it draws. `open` opens files: a list of `{ path, file }`, where the
+ * page has readers.
  */
 window.splatvol = {
   picture: async (width, height) => (await started).frames.picture([width, height]),
@@ -374,7 +412,16 @@ window.splatvol = {
     const { frames } = await started;
     return frames.picture([width, height], frames.drafters);
   },
-  settled: async () => (await started).frames.settled(),
+  settled: async () => {
+    const shown = await started;
+    await shown.opening;
+    return shown.frames.settled();
+  },
+  open: async (files) => {
+    const shown = await started;
+    shown.open(() => files);
+    return shown.opening;
+  },
   workers: async () => (await started).pool.workers,
   view: async () => copied((await started).view.pose),
 };

@@ -26,9 +26,17 @@ function workOnGpu() {
   };
 }
 
+/** Bindings and module, once they are unpacked. */
+let webgpu = null;
+
 /** Whether page and browser have what it takes. */
 function mayHaveWebGpu() {
-  return $("webgpu").textContent !== "" && Boolean(navigator.gpu);
+  return (webgpu !== null || $("webgpu").textContent !== "") && Boolean(navigator.gpu);
+}
+
+async function unpackedWebGpu() {
+  const bindings = new TextDecoder().decode(await unpacked(bytesOf("webgpu-bindings")));
+  return { bindings, module: await WebAssembly.compile(await unpacked(bytesOf("webgpu"))) };
 }
 
 /** An instance, or none: no module, no device, or one that the processor imitates unless that is `allowed`. */
@@ -36,13 +44,7 @@ async function startWebGpu(allowed) {
   if (!mayHaveWebGpu()) return null;
   const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
   if (!adapter || (adapter.info && adapter.info.isFallbackAdapter && !allowed)) return null;
-  const bindings = new TextDecoder().decode(await unpacked(bytesOf("webgpu-bindings")));
-  const module = await WebAssembly.compile(await unpacked(bytesOf("webgpu")));
-  const source = `"use strict";\n${bindings}\n(${workOnGpu})();\n`;
-  const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
-  try {
-    return await inWorker(module, url);
-  } finally {
-    URL.revokeObjectURL(url);
-  }
+  webgpu = webgpu || unpackedWebGpu();
+  const { bindings, module } = await webgpu;
+  return inBlob(`"use strict";\n${bindings}\n(${workOnGpu})();\n`, (url) => inWorker(module, url));
 }

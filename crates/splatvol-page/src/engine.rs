@@ -1,4 +1,4 @@
-//! The engines for browsers, as they were built.
+//! The engines and the readers for browsers, as they were built.
 
 /// Why there is no engine for browsers in this program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -32,12 +32,21 @@ pub fn webgpu() -> Option<WebGpu> {
     WEBGPU
 }
 
+// A constant would be copied to every place where it is used.
+static MODULES: Result<[&[u8]; 2], Absent> = include!(concat!(env!("OUT_DIR"), "/engine.rs"));
+
 /// The engine, a WebAssembly module in gzip.
 ///
 /// # Errors
 /// Programs without it.
 pub fn engine() -> Result<&'static [u8], Absent> {
-    // A constant would be copied to every place where it is used.
-    static ENGINE: Result<&[u8], Absent> = include!(concat!(env!("OUT_DIR"), "/engine.rs"));
-    ENGINE
+    MODULES.map(|[engine, _]| engine)
+}
+
+/// The readers of files, a WebAssembly module in gzip.
+///
+/// # Errors
+/// Programs without them: those without the engine.
+pub fn readers() -> Result<&'static [u8], Absent> {
+    MODULES.map(|[_, readers]| readers)
 }

@@ -25,7 +25,7 @@ mod page;
 mod template;
 
 pub use content::PageContent;
-pub use engine::{Absent, WebGpu, engine, webgpu};
+pub use engine::{Absent, WebGpu, engine, readers, webgpu};
 pub use error::PageError;
 pub use fit::{Bits, Fitted, Piece, fit};
 pub use page::{ENGINE_SCRIPT, Page};

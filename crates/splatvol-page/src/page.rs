@@ -31,6 +31,7 @@ macro_rules! script {
             include_str!("../player/frames.js"),
             include_str!("../player/controls.js"),
             include_str!("../player/webgpu.js"),
+            include_str!("../player/files.js"),
             include_str!("../player/player.js"),
             "})();\n"
         )
@@ -63,6 +64,8 @@ pub struct Page<'a> {
     pub poster: &'a [u8],
     /// Sentences about the data: what was left out, and how far the picture is from that of all data.
     pub notes: &'a [String],
+    /// The readers, with which the page opens files of whoever has it; empty if it opens none.
+    pub readers: &'a [u8],
     /// The GPU engine, which draws what moves where the browser has WebGPU.
     pub webgpu: Option<WebGpu>,
     /// Whether it comes from a server that makes the final pictures; all of them where there is no engine in the page.
@@ -108,6 +111,7 @@ impl Page<'_> {
                 ("poster", Slot::Bytes(self.poster)),
                 ("facts", Slot::Json(&facts)),
                 ("engine", Slot::Bytes(engine)),
+                ("readers", Slot::Bytes(self.readers)),
                 ("webgpu-bindings", Slot::Bytes(webgpu.bindings)),
                 ("webgpu", Slot::Bytes(webgpu.module)),
                 ("samples", Slot::Bytes(self.bytes)),
@@ -157,6 +161,7 @@ mod tests {
             bytes: b"samples",
             poster: b"poster",
             notes: &["8 bits & less".to_owned()],
+            readers: &[],
             webgpu: None,
             is_served: false,
         };

@@ -132,6 +132,15 @@ impl Grid {
         if dims.iter().any(|&n| n == 0 || n > Self::MAX_DIM) {
             return Err(SceneError::invalid("dims", dims, "each from 1 to 65535"));
         }
+        // In a browser addresses have 32 bits.
+        let count = dims.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
+        if count.is_none() {
+            return Err(SceneError::invalid(
+                "dims",
+                dims,
+                "no more samples than there are addresses",
+            ));
+        }
         let columns = world_from_voxel.matrix3;
         if !world_from_voxel.translation.is_finite() {
             return Err(SceneError::invalid(

@@ -19,6 +19,8 @@ use splatvol::SceneError;
 use splatvol_document::{Held, HeldContent};
 use splatvol_io::{Data, Description};
 
+use crate::message::Described;
+
 pub use column::{Column, Precision};
 pub use gaussians::GaussiansData;
 pub use mesh::{CellsData, MeshData};
@@ -83,9 +85,21 @@ impl ItemData {
 
 /// Data for a document whose items are in memory: they stand as they are, whatever it leaves open.
 pub fn held(content: HeldContent) -> Held {
+    held_as(
+        content,
+        Described {
+            format: "memory".to_owned(),
+            oriented: true,
+        },
+    )
+}
+
+/// The same of data that stand as their file says.
+pub(crate) fn held_as(content: HeldContent, described: Described) -> Held {
+    let Described { format, oriented } = described;
     let description = Description {
-        format: "memory".to_owned(),
-        oriented: true,
+        format,
+        oriented,
         ..Description::default()
     };
     Held::sharing(content, description)

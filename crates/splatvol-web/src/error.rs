@@ -30,6 +30,9 @@ pub enum WebError {
     /// A document that cannot become a picture.
     #[error(transparent)]
     Document(#[from] DocumentError),
+    /// Files that cannot be read.
+    #[error(transparent)]
+    File(#[from] splatvol_io::IoError),
     /// Invalid data, cameras or settings.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -30,13 +30,15 @@
 //! | `shown` | a document with its data: changes, cameras, and the tiles of pictures |
 //! | [`message`] | what may be asked, and what is answered |
 //! | `data` | samples and clouds as bytes, packed so that they compress well |
+//! | `files` | files that a page was given, read; a module of its own, as most pages open none |
 //! | `look` | changes of a transfer function: range, strength, colour map, curve |
-//! | `interface` | the instance as a WebAssembly module, without bindings: memory for a message, and its answer |
+//! | `interface` | instance and readers as WebAssembly modules, without bindings: memory for a message, and its answer |
 #![cfg_attr(not(target_family = "wasm"), forbid(unsafe_code))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod data;
 mod error;
+mod files;
 #[cfg(target_family = "wasm")]
 mod interface;
 mod look;
@@ -48,6 +50,7 @@ pub use data::{
     CellsData, Column, GaussiansData, ItemData, MeshData, PointsData, Precision, VolumeData, held, size_of,
 };
 pub use error::WebError;
+pub use files::{FileGiven, FilesGiven, FilesRead, ItemRead, read_files};
 pub use look::LookEdit;
 pub use session::{Answer, BLOCK, Heard, OpenDocument, Session};
 pub use shown::{Shown, Tiles};

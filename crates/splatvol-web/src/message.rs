@@ -28,6 +28,9 @@ pub enum Request {
         document: Value,
         /// What the bytes are, for each item.
         data: Vec<ItemData>,
+        /// What the file of each item says about it; absent where all is in the document.
+        #[serde(default)]
+        described: Option<Vec<Described>>,
     },
     /// Changes keys of the document: all of them, or none if one is refused.
     Edit {
@@ -57,6 +60,16 @@ pub enum Request {
         /// Which share of how many: `[0, 1]`, or absent, is the whole picture.
         share: Option<[usize; 2]>,
     },
+}
+
+/// What a file says about its data, on which depends how they are shown where the document leaves that open.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Described {
+    /// Its format.
+    pub format: String,
+    /// Whether it says how the data lie in the world.
+    pub oriented: bool,
 }
 
 /// A change of a key.

@@ -53,8 +53,12 @@ impl OpenDocument {
     /// Messages that are not understood, or ask for what there is not.
     pub fn hear(&mut self, header: &str, bytes: &[u8]) -> Result<Heard, WebError> {
         let answer = match serde_json::from_str(header)? {
-            Request::Open { document, data } => {
-                let shown = Shown::open(&document, &data, bytes)?;
+            Request::Open {
+                document,
+                data,
+                described,
+            } => {
+                let shown = Shown::open(&document, (&data, described), bytes)?;
                 let opened = said(&shown.facts()?)?;
                 self.shown = Some(shown);
                 opened

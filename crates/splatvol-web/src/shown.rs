@@ -19,7 +19,8 @@ use splatvol_document::{
     Resolving, outline,
 };
 
-use crate::message::{Edited, ItemFacts, Opened, Rendered, Request, ValueFacts};
+use crate::data::held_as;
+use crate::message::{Described, Edited, ItemFacts, Opened, Rendered, Request, ValueFacts};
 use crate::session::{Answer, BLOCK, RAY_BLOCK};
 use crate::{ItemData, LookEdit, WebError, held, look, size_of};
 
@@ -70,11 +71,15 @@ impl Listener for Notes {
 }
 
 impl Shown {
-    /// Opens a document, JSON, with the packed data of its items, one after the other.
+    /// Opens a document, JSON, with the packed data of its items, one after the other, and what their files say about them.
     ///
     /// # Errors
     /// As [`Shown::new`]; data that are not those of the items.
-    pub fn open(document: &Value, data: &[ItemData], bytes: &[u8]) -> Result<Self, WebError> {
+    pub fn open(
+        document: &Value,
+        (data, described): (&[ItemData], Option<Vec<Described>>),
+        bytes: &[u8],
+    ) -> Result<Self, WebError> {
         let document = Document::from_json(&document.to_string(), Path::new("document"))?;
         if document.items.len() != data.len() {
             return Err(WebError::Data {
@@ -86,7 +91,25 @@ impl Shown {
                 ),
             });
         }
-        Self::new(&document, unpacked(data, bytes)?)
+        let contents = unpacked(data, bytes)?.into_iter();
+        let held: Vec<Held> = match described {
+            None => contents.map(held).collect(),
+            Some(described) if described.len() == data.len() => contents
+                .zip(described)
+                .map(|(content, described)| held_as(content, described))
+                .collect(),
+            Some(described) => {
+                return Err(WebError::Data {
+                    item: described.len().min(data.len()),
+                    why: format!(
+                        "{} items have data, and {} are described",
+                        data.len(),
+                        described.len()
+                    ),
+                });
+            }
+        };
+        Self::new(&document, held.into_iter().map(Some).collect())
     }
 
     /// Shows a document whose items' data are in memory.
@@ -291,13 +314,13 @@ impl Tiles {
 }
 
 /// The data of packed numbers, one after the other.
-fn unpacked(data: &[ItemData], bytes: &[u8]) -> Result<Vec<Option<Held>>, WebError> {
+fn unpacked(data: &[ItemData], bytes: &[u8]) -> Result<Vec<HeldContent>, WebError> {
     let mut rest = bytes;
     let mut all = Vec::new();
     for (item, data) in data.iter().enumerate() {
         let fault = |why: String| WebError::Data { item, why };
         let own = data.unpack(&mut rest).map_err(|error| fault(error.to_string()))?;
-        all.push(Some(held(own.into())));
+        all.push(own.into());
     }
     match rest.len() {
         0 => Ok(all),

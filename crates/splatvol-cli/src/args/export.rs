@@ -27,6 +27,7 @@ Examples:
   splatvol export ct.nrrd --iso 300 --quantize 8 --title \"Specimen 12\"
   splatvol export biker.spz --title \"A photograph in 3-D\"
   splatvol export scene.toml --size 1200x900 --report - -o scene.html
+  splatvol export sample:head --open-files --title Viewer -o viewer.html    a viewer in a file, for any data
   splatvol export --like head.png -o head.html"
 )]
 pub(crate) struct ExportArgs {
@@ -40,6 +41,12 @@ pub(crate) struct ExportArgs {
     /// Integers that have no more stay as they are; coordinates of points, Gaussians and meshes have eight more.
     #[arg(long, value_name = "BITS", help_heading = OUTPUT)]
     pub(crate) quantize: Option<BitsArg>,
+    /// Make a page that opens files, too: volumes, points, Gaussians and meshes that are dropped on it
+    ///
+    /// The readers of files are in the page then. What whoever has it drops on it or chooses, files or folders, is read and shown there,
+    /// as `splatvol render` would, and is sent nowhere.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) open_files: bool,
     /// Write sizes, bits, level and error as JSON to this file, or to stdout (-)
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) report: Option<PathBuf>,

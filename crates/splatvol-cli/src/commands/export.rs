@@ -49,7 +49,12 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
     let title = args.page.title.as_deref().unwrap_or(&name);
     let quantize = args.quantize.map(|bits| vec![Bits::from(bits)]);
     let bits = quantize.as_deref().unwrap_or(&Bits::ALL);
-    let (html, said) = exported.page(title, (args.page.max_size, bits), false)?;
+    let readers = match args.open_files {
+        true => splatvol_page::readers().map_err(Failure::usage)?,
+        false => &[],
+    };
+    let kind = PageKind::File { readers };
+    let (html, said) = exported.page(title, (args.page.max_size, bits), kind)?;
     page.write(html.as_bytes(), overwrite)?;
     if let Some(target) = &report {
         let json = serde_json::to_string_pretty(&said).during(Step::Output)? + "\n";
@@ -64,6 +69,15 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
         terminal.note(format!("wrote {} ({})", path.display(), megabytes(said.bytes)));
     }
     Ok(())
+}
+
+/// Where a page comes from.
+#[derive(Debug, Clone, Copy)]
+enum PageKind {
+    /// A file, which may have readers of other files.
+    File { readers: &'static [u8] },
+    /// A server.
+    Served,
 }
 
 /// A picture that a page can show, and how it is rendered.
@@ -204,7 +218,7 @@ impl Exported {
     pub(super) fn served_page(&self, title: &str, most: Option<u64>) -> Result<(String, String), Failure> {
         let drafts = match splatvol_page::engine() {
             Ok(_) => {
-                let (html, report) = self.page(title, (most, &Bits::ROUNDED), true)?;
+                let (html, report) = self.page(title, (most, &Bits::ROUNDED), PageKind::Served)?;
                 return Ok((
                     html,
                     format!("while the view turns, browsers draw: {}", report.data()),
@@ -222,6 +236,7 @@ impl Exported {
             bytes: &[],
             poster: &self.poster()?,
             notes: &[served_by(), made_by()],
+            readers: &[],
             webgpu: None,
             is_served: true,
         };
@@ -246,8 +261,12 @@ impl Exported {
         &self,
         title: &str,
         (most, bits): (Option<u64>, &[Bits]),
-        is_served: bool,
+        kind: PageKind,
     ) -> Result<(String, Report), Failure> {
+        let (readers, is_served): (&[u8], bool) = match kind {
+            PageKind::File { readers } => (readers, false),
+            PageKind::Served => (&[], true),
+        };
         let most = most.unwrap_or(MOST_BYTES);
         let content = PageContent::of(&self.picture)?;
         let poster = self.poster()?;
@@ -262,6 +281,7 @@ impl Exported {
             bytes: &[],
             poster: &poster,
             notes: &[],
+            readers,
             webgpu: None,
             is_served,
         };

@@ -7,7 +7,7 @@ use crate::data::{gaussian, sphere};
 use crate::sandbox::{Sandbox, png};
 
 /// Whether the command has the engine for browsers; says so where it has not.
-fn has_engine() -> bool {
+pub(crate) fn has_engine() -> bool {
     match splatvol_page::engine() {
         Ok(_) => true,
         Err(absent) => {
@@ -21,7 +21,7 @@ fn has_engine() -> bool {
 static ONE: Mutex<()> = Mutex::new(());
 
 /// Shows something in each browser that there is.
-fn in_browsers(size: [u32; 2], show: impl Fn(&Browser)) {
+pub(crate) fn in_browsers(size: [u32; 2], show: impl Fn(&Browser)) {
     if !has_engine() {
         return;
     }
@@ -437,7 +437,7 @@ fn webgpu_draws_what_moves() {
 }
 
 /// A bent block of 6 x 5 x 4 points with values, of VTK's legacy format.
-fn bent_block() -> String {
+pub(crate) fn bent_block() -> String {
     let places = (0..120).map(|i| [i % 6, i / 6 % 5, i / 30].map(|at| f64::from(at) * 0.3));
     let points: String = places
         .clone()
@@ -453,7 +453,7 @@ fn bent_block() -> String {
 }
 
 /// RGB of opaque pixels.
-fn opaque(pixels: &[u8]) -> Vec<u8> {
+pub(crate) fn opaque(pixels: &[u8]) -> Vec<u8> {
     assert!(
         pixels.chunks_exact(4).all(|pixel| pixel[3] == 255),
         "pixels are transparent"

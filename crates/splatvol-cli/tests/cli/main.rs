@@ -16,6 +16,7 @@ mod motion;
 #[path = "../../../splatvol-io/tests/nifti/file.rs"]
 #[allow(dead_code, reason = "a module of tests, used in part")]
 mod nifti_file;
+mod opened;
 mod orientation;
 mod outputs;
 mod render;

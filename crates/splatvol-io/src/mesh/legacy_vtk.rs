@@ -10,6 +10,7 @@ use splatvol_scene::Samples;
 use super::LoadedMesh;
 use super::assemble::{Draft, StoredCells, count, to_indices};
 use crate::error::Context;
+use crate::files;
 use crate::source::read_file;
 use crate::volume::legacy_vtk::attributes::{self, Array, Attributes, Coding, ElementType, Scan};
 use crate::volume::legacy_vtk::cursor::Cursor;
@@ -365,7 +366,7 @@ fn cells_along(points: u64) -> Option<u64> {
 
 /// Length of the file: no array that a structured file holds has more tuples.
 fn context_limit(context: &Context<'_>) -> Result<u64, IoError> {
-    let length = std::fs::metadata(context.path).map(|metadata| metadata.len());
+    let length = files::metadata(context.path).map(|metadata| metadata.len());
     length.map_err(|source| IoError::Open {
         source,
         path: context.path.to_owned(),

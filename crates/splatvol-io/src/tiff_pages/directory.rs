@@ -3,12 +3,11 @@
 //! Every length is checked against the file before memory is taken for it.
 
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::IoError;
 use crate::error::Context;
+use crate::files::{File, read_at};
 use crate::samples::Endian;
 use crate::source::Source;
 
@@ -177,15 +176,10 @@ impl Directories {
         if count > left {
             return Err(context.truncated("bytes", count, left));
         }
-        let mut bytes = Vec::new();
-        let mut file = &self.file;
-        file.seek(SeekFrom::Start(offset))
-            .and_then(|_| file.take(count).read_to_end(&mut bytes))
-            .map_err(|error| context.read(error))?;
-        match bytes.len() as u64 == count {
-            true => Ok(bytes),
-            false => Err(context.truncated("bytes", count, bytes.len() as u64)),
-        }
+        let size = usize::try_from(count).map_err(|_| context.limit(count, usize::MAX as u64))?;
+        let mut bytes = vec![0; size];
+        read_at(&self.file, &mut bytes, offset).map_err(|error| context.read(error))?;
+        Ok(bytes)
     }
 
     /// An unsigned integer of the length of the bytes.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{dicom, slc, slices, zarr};
 use crate::error::Context;
+use crate::files;
 use crate::source::{Codec, Source, check_inside};
 use crate::{IoError, remote};
 
@@ -56,7 +57,7 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
         // Servers list nothing, and have folders of keys only.
         return Ok(Format::Zarr);
     }
-    if path.is_dir() {
+    if files::is_dir(path) {
         return folder_format(path, &context);
     }
     let mut source = Source::open(path)?;
@@ -124,10 +125,10 @@ pub(super) fn files_of(folder: &Path, context: &Context<'_>) -> Result<Vec<PathB
         path: folder.to_owned(),
     };
     let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(open)? {
+    for entry in files::read_dir(folder).map_err(open)? {
         let path = entry.map_err(open)?.path();
-        if path.is_file() {
-            if path.is_symlink() {
+        if files::is_file(&path) {
+            if files::is_symlink(&path) {
                 check_inside(&path, folder, context)?;
             }
             files.push(path);

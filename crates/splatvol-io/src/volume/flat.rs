@@ -1,7 +1,6 @@
 //! Flat files: samples as they are, x fastest, in one file. Regions are read at their positions, row by row or, where they
 //! are as wide as the volume, slice by slice, so that no file is too large.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
@@ -15,7 +14,7 @@ use super::planes;
 use super::vtk_array::{Component, pick};
 use super::{Description, Draft, Opened};
 use crate::error::Context;
-use crate::positioned::read_at;
+use crate::files::{self, File, read_at};
 use crate::samples::{sample_bytes_mut, swap_bytes_of, widen_samples};
 use crate::{Endian, IoError, SampleType};
 
@@ -133,7 +132,7 @@ impl Flat {
             // How many, only a volume in memory can tell.
             draft.warn(ROUNDED);
         }
-        let metadata = std::fs::metadata(&self.path).map_err(|source| IoError::Open {
+        let metadata = files::metadata(&self.path).map_err(|source| IoError::Open {
             source,
             path: self.path.clone(),
         })?;

@@ -18,6 +18,7 @@ use super::{
 };
 use crate::IoError;
 use crate::error::{Context, excerpt};
+use crate::files;
 use crate::samples::{Endian, SampleType};
 use crate::source::Source;
 
@@ -260,7 +261,7 @@ impl Header {
             .description
             .files
             .last()
-            .and_then(|file| file.metadata().ok());
+            .and_then(|file| files::metadata(file).ok());
         let found = data.map_or(0, |metadata| metadata.len().saturating_sub(before));
         if draft.description.files.len() <= 2 && field.value.parse() != Ok(found) {
             let declared = excerpt(&field.value);

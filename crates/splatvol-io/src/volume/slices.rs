@@ -1,7 +1,6 @@
 //! A folder of pictures, one per slice: TIFF, PNG or JPEG, in the natural order of their names (`a9.tif` before
 //! `a10.tif`).
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use super::{
     Description, Draft, Loaded, Opened, ReadOptions, checked_dims, choose_channel, detect, sample_count, tiff,
 };
 use crate::error::Context;
+use crate::files::File;
 use crate::samples::SampleType;
 use crate::source::{Source, read_file};
 use crate::{IoError, SampleType as Type};

@@ -11,14 +11,13 @@ mod skeleton;
 #[cfg(not(target_family = "wasm"))]
 mod unpack;
 
-use std::fs::File;
 use std::path::Path;
 
 use super::flat::{Flat, Tuple};
 use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, read_whole, sample_count, vtk_array};
 use crate::error::Context;
-use crate::positioned::read_at;
+use crate::files::{File, read_at};
 use crate::samples::Endian;
 use crate::source::{START, Source, start_of_file};
 use crate::{IoError, SampleType};

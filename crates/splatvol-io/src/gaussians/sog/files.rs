@@ -1,6 +1,5 @@
 //! Files of a SOG: in a zip or in a folder; and the pictures among them.
 
-use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use zip::ZipArchive;
 
 use crate::IoError;
 use crate::error::Context;
+use crate::files::{self, File};
 use crate::source::{Source, companion, read_file};
 
 /// Pixels that any picture may have, however few its bytes.
@@ -22,7 +22,7 @@ pub(in super::super) fn is_folder_or_meta(path: &Path) -> bool {
         return false;
     };
     let context = Context::new("SOG", &meta);
-    let small = std::fs::metadata(&meta).is_ok_and(|metadata| metadata.is_file() && metadata.len() < 1 << 24);
+    let small = files::metadata(&meta).is_ok_and(|metadata| metadata.is_file() && metadata.len() < 1 << 24);
     small
         && read_file(&meta, &context)
             .and_then(|bytes| crate::json::parse(&bytes, &context))
@@ -30,7 +30,7 @@ pub(in super::super) fn is_folder_or_meta(path: &Path) -> bool {
 }
 
 fn meta_path(path: &Path) -> Option<PathBuf> {
-    if path.is_dir() {
+    if files::is_dir(path) {
         return Some(path.join("meta.json"));
     }
     let name = path.file_name()?.to_str()?;
@@ -93,15 +93,15 @@ impl Files {
 
     /// Bytes of the archive, or of all files in the folder.
     pub(super) fn bytes(&self, context: &Context<'_>) -> u64 {
-        let length = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        let length = |path: &Path| files::metadata(path).map_or(0, |metadata| metadata.len());
         match self {
             Self::Archive { .. } => length(context.path),
             Self::Folder { meta, .. } => {
                 let folder = meta.parent().filter(|folder| !folder.as_os_str().is_empty());
-                let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+                let entries = files::read_dir(folder.unwrap_or(Path::new(".")));
                 let paths = entries.into_iter().flatten().flatten().map(|entry| entry.path());
                 paths
-                    .filter(|path| path.is_file())
+                    .filter(|path| files::is_file(path))
                     .map(|path| length(&path))
                     .sum()
             }
@@ -139,7 +139,7 @@ impl Files {
                     .by_name(&name)
                     .map_err(|error| context.field("file in the archive", &name, None, error.to_string()))?;
                 let (compressed, size) = (entry.compressed_size(), entry.size());
-                let length = std::fs::metadata(context.path).map_or(0, |metadata| metadata.len());
+                let length = files::metadata(context.path).map_or(0, |metadata| metadata.len());
                 let mut source = Source::from_decoder(entry, compressed.min(length), size);
                 source.read_bytes("file in the archive", size, context)
             }

@@ -6,6 +6,7 @@ use super::layout::{Content, Layout};
 use super::text;
 use crate::IoError;
 use crate::error::Context;
+use crate::files;
 use crate::source::read_file;
 
 /// True for the extensions of grids and solutions, and of binary files.
@@ -25,7 +26,7 @@ pub(super) fn has_own_extension(path: &Path) -> bool {
 
 /// True for a file that may be read to see whether it is a grid or a solution.
 pub(super) fn is_candidate(path: &Path) -> bool {
-    is_customary(path) && path.is_file()
+    is_customary(path) && files::is_file(path)
 }
 
 /// True where a file of text has as many numbers as a grid or a solution, and is no table, or has its companion.
@@ -76,7 +77,7 @@ pub(super) fn pair(
         false => Content::Grid,
     };
     let fits = |candidate: &PathBuf| {
-        candidate.is_file() && read_file(candidate, context).is_ok_and(|bytes| holds(&bytes, wanted))
+        files::is_file(candidate) && read_file(candidate, context).is_ok_and(|bytes| holds(&bytes, wanted))
     };
     let found = candidates(path, wanted).into_iter().find(fits);
     match (found, wanted) {

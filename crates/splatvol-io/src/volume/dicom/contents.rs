@@ -1,6 +1,5 @@
 //! The bytes of a DICOM file: its first ones in memory, as many as its elements need, the pixels where they are.
 
-use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use super::pixels;
 use super::syntax::Syntax;
 use crate::IoError;
 use crate::error::Context;
-use crate::positioned::read_at;
+use crate::files::{File, read_at};
 use crate::samples::Endian;
 use crate::source::{Source, read_file};
 

@@ -36,6 +36,7 @@ use super::{
     sample_count,
 };
 use crate::error::Context;
+use crate::files;
 use crate::samples::SampleType;
 use crate::source::Source;
 use crate::{IoError, axis_codes};
@@ -98,7 +99,7 @@ impl SeriesSlices {
     /// The slices to read, and the volume that they make.
     fn choose(path: &Path, options: &ReadOptions, context: &Context<'_>) -> Result<(Self, Draft), IoError> {
         let mut files = vec![path.to_owned()];
-        if path.is_dir() {
+        if files::is_dir(path) {
             files = detect::files_of(path, context)?;
             files.retain(|file| is_dicom(file));
         }

@@ -1,7 +1,6 @@
 //! Archives of arrays (.npz): a zip file with one .npy file per array, stored or deflated.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use zip::result::ZipError;
 use super::header::Header;
 use crate::IoError;
 use crate::error::Context;
+use crate::files::File;
 use crate::source::Source;
 use crate::volume::{Loaded, Opened, ReadOptions};
 

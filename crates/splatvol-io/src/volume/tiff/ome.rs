@@ -11,6 +11,7 @@ use splatvol_scene::LengthUnit;
 use super::description::{Layout, OWN_FILE, Place};
 use crate::IoError;
 use crate::error::Context;
+use crate::files;
 use crate::source::{companion, read_file};
 use crate::tiff_pages::Pages;
 use crate::volume::{ReadOptions, length_unit};
@@ -243,8 +244,9 @@ impl OmePixels<'_, '_> {
     fn file(&self, data: &Node<'_, '_>, others: &mut Vec<PathBuf>) -> Result<usize, IoError> {
         let own = self.context.path.file_name().map(|name| name.to_string_lossy());
         let named = data.children().find_map(|node| node.attribute("FileName"));
-        let other = named
-            .filter(|name| own.as_deref() != Some(name) && self.context.path.with_file_name(name).exists());
+        let other = named.filter(|name| {
+            own.as_deref() != Some(name) && files::exists(&self.context.path.with_file_name(name))
+        });
         let Some(name) = other else {
             return Ok(OWN_FILE);
         };

@@ -174,8 +174,8 @@ impl Fields<'_> {
         let product = sizes
             .iter()
             .try_fold(1usize, |product, &size| product.checked_mul(size));
-        let most = (Grid::MAX_DIM + 1).pow(2);
-        match product.is_some_and(|product| product <= most) {
+        let most = (Grid::MAX_DIM as u64 + 1).pow(2);
+        match product.is_some_and(|product| product as u64 <= most) {
             true => Ok(sizes),
             false => Err(self.bad(field, value, "chunks of at most 2^32 samples")),
         }

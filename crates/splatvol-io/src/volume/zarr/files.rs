@@ -1,7 +1,6 @@
 //! Stored bytes of single chunks: from a file each, or from shards, whose indices are kept.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,8 +11,8 @@ use super::array::{Array, Shard};
 use super::codec::Codec;
 use super::folder::Folder;
 use crate::IoError;
+use crate::files::{self, File, read_at};
 use crate::key_store::{ByteRange, too_many_bytes};
-use crate::positioned::read_at;
 
 /// Bytes of a chunk's offset and length in the index of a shard.
 pub(super) const INDEX_ENTRY: u64 = 16;
@@ -142,7 +141,7 @@ struct OpenShard {
 
 impl Files {
     pub(super) fn new(array: &Array, allow_outside: bool) -> Self {
-        let real_folder = array.folder.path().canonicalize();
+        let real_folder = files::canonicalize(array.folder.path());
         let bytes = array.samples_of_chunk() as u64 * array.sample_type.size() as u64;
         Self {
             folder: array.folder.clone(),
@@ -281,7 +280,7 @@ impl Files {
     /// A regular file and its length, `None` if there is none.
     fn open(&self, place: &Place) -> Result<Option<(File, u64)>, Failure> {
         let path = self.folder.path().join(&place.key);
-        let metadata = match std::fs::metadata(&path) {
+        let metadata = match files::metadata(&path) {
             Err(error) if is_absent(&error) => return Ok(None),
             found => found.map_err(|error| place.of_system(&error))?,
         };
@@ -298,7 +297,7 @@ impl Files {
         let Some(folder) = &self.real_folder else {
             return Ok(());
         };
-        match path.canonicalize() {
+        match files::canonicalize(path) {
             Ok(target) if !target.starts_with(folder) => Err(Failure::Outside(Box::new(IoError::Outside {
                 link: path.to_owned(),
                 target,

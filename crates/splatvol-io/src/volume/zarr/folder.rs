@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::{IoError, is_zarr};
 use crate::error::Context;
+use crate::files;
 use crate::key_store::{ByteRange, KeyStore};
 use crate::source::{check_inside, read_file};
 use crate::volume::detect::natural_order;
@@ -91,7 +92,7 @@ impl Folder {
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => return Ok(None),
                 Err(error) => return Err(context.unreachable(error)),
             },
-            None if !path.is_file() => return Ok(None),
+            None if !files::is_file(&path) => return Ok(None),
             None => read_file(&path, context)?,
         };
         let value = serde_json::from_slice(&bytes);
@@ -123,7 +124,7 @@ impl Folder {
             }
             return Ok(found);
         }
-        let mut names: Vec<String> = std::fs::read_dir(&self.path)
+        let mut names: Vec<String> = files::read_dir(&self.path)
             .map_err(|error| context.read(error))?
             .flatten()
             .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()) && is_zarr(&entry.path()))

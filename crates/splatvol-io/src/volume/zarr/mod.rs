@@ -52,7 +52,7 @@ pub use write::{Compression, OmeVersion, Pyramid, PyramidOptions, write_pyramid}
 pub(super) fn is_zarr(folder: &Path) -> bool {
     [".zgroup", ".zarray", ".zattrs", "zarr.json"]
         .iter()
-        .any(|name| folder.join(name).is_file())
+        .any(|name| crate::files::is_file(&folder.join(name)))
 }
 
 /// Reads an image or an array.

@@ -9,6 +9,7 @@ use super::files::{Failure, INDEX_ENTRY};
 use super::level::{ArrayLevel, RATIO, SPARSE};
 use crate::IoError;
 use crate::error::Context;
+use crate::files;
 
 /// Chunks that are looked for, per file that exists; and those that always are.
 const CHUNKS_PER_FILE: usize = 64;
@@ -109,7 +110,7 @@ impl Found {
 
     /// Counts until there are enough; links are not followed.
     fn count(&mut self, folder: &Path, depth: usize, enough: &dyn Fn(&Self) -> bool) {
-        let Ok(entries) = std::fs::read_dir(folder) else {
+        let Ok(entries) = files::read_dir(folder) else {
             return;
         };
         for entry in entries.flatten() {

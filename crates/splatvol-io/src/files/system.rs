@@ -1,7 +1,29 @@
-//! Reads at positions of files, from several threads at once.
+//! The files of the system, and reads at positions of them, from several threads at once.
 
-use std::fs::File;
 use std::io;
+use std::path::{Path, PathBuf};
+
+pub(crate) use std::fs::{DirEntry, File, metadata, read_dir};
+
+pub(crate) fn exists(path: &Path) -> bool {
+    path.exists()
+}
+
+pub(crate) fn is_file(path: &Path) -> bool {
+    path.is_file()
+}
+
+pub(crate) fn is_dir(path: &Path) -> bool {
+    path.is_dir()
+}
+
+pub(crate) fn is_symlink(path: &Path) -> bool {
+    path.is_symlink()
+}
+
+pub(crate) fn canonicalize(path: &Path) -> io::Result<PathBuf> {
+    path.canonicalize()
+}
 
 /// Fills `bytes` from the position on; an error where the file ends before.
 #[cfg(unix)]
