@@ -57,12 +57,12 @@ async function startReaders() {
   return inBlob(source, (url) => inWorker(module, url));
 }
 
-/** Reads files, each with its path; says what share of their bytes has been read. */
-async function readFiles(files, told) {
+/** Reads files, each with its path, in a way that keys say; says what share of their bytes has been read. */
+async function readFiles(files, keys, told) {
   readers = readers || startReaders();
   const member = await readers;
   member.progress = told;
-  const header = { files: files.map(({ path, file }) => ({ path, length: file.size })) };
+  const header = { files: files.map(({ path, file }) => ({ path, length: file.size })), keys };
   const { header: read, bytes } = await member.ask(header, files.map(({ file }) => file));
   if (read.error) throw new Error(read.error);
   return { read, bytes };
@@ -90,6 +90,54 @@ async function dropped(transfer) {
   return files;
 }
 
+/** What files may leave open: a key of items, its label, an example, and what is made of the text. */
+const READING = [
+  ["component", "Component", "0", Number],
+  ["array", "Array", "name", String],
+  ["channel", "Channel", "0", Number],
+  ["time", "Time point", "0", Number],
+  ["level", "Level", "0", Number],
+  ["series", "Series", "number", String],
+  ["dims", "Raw: size", "256x256x128", numbers],
+  ["type", "Raw: type", "u8, i16, f32", String],
+  ["spacing", "Raw: spacing", "1, 1, 2.5", numbers],
+  ["endian", "Raw: order", "little, big", String],
+  ["offset", "Raw: offset", "0", Number],
+];
+
+function numbers(text) {
+  return text.split(/[x×,\s]+/).filter(Boolean).map(Number);
+}
+
+/** Fields for what files leave open; `again` reads the files once more. */
+function readingFields(again) {
+  const fields = READING.map(([key, label, placeholder, parse]) => {
+    const control = element("input", { type: "text", placeholder, autocomplete: "off", spellcheck: false });
+    return { key, label, control, parse, made: row(label, control) };
+  });
+  const form = element("form", {}, ...fields.map(({ made }) => made), element("div", { className: "buttons" }, button("Read again", again)));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    again();
+  });
+  const details = element("details", {}, element("summary", {}, "How files are read"),
+    element("p", {}, "Where a file leaves something open, or has more than one picture needs."), form);
+  return {
+    details,
+    /** The keys of fields that are filled. */
+    keys: () => Object.fromEntries(fields.flatMap(({ key, label, control, parse }) => {
+      const text = control.value.trim();
+      if (text === "") return [];
+      const value = parse(text);
+      if ([value].flat().some(Number.isNaN)) throw new Error(`${label}: ${text}: expected a number`);
+      return [[key, value]];
+    })),
+  };
+}
+
+/** Errors of what can be said in the fields. */
+const OPEN = /component|array|channel|series|layout|dims|type/i;
+
 /** Opens files in place of what is shown; says why not where they cannot be read, and leaves what is shown. */
 async function openFiles(shown, files) {
   if (files.length === 0) return;
@@ -99,7 +147,7 @@ async function openFiles(shown, files) {
   trouble("");
   status(`Reading ${name}.`);
   try {
-    const { read, bytes } = await readFiles(files, (share) => status(`Reading ${name}: ${Math.round(100 * share)} %.`));
+    const { read, bytes } = await readFiles(files, shown.reading.keys(), (share) => status(`Reading ${name}: ${Math.round(100 * share)} %.`));
     status("Preparing the picture.");
     const { items, warnings } = read;
     const message = {
@@ -113,24 +161,31 @@ async function openFiles(shown, files) {
     shown.show(opened, title, [...kept, ...warnings, "The files were read in this page: nothing was sent anywhere."]);
   } catch (error) {
     status(before);
+    if (OPEN.test(error.message)) shown.reading.details.open = true;
     trouble(error.message || String(error));
   }
 }
 
 /** Hears of files: buttons in the panel, and what is dropped on the page. */
 function hearFiles(shown) {
+  let last = [];
+  const open = (files) => shown.open(async () => {
+    last = await files;
+    return last;
+  });
+  shown.reading = readingFields(() => open(last));
   const chooser = (attributes) => {
     const input = element("input", { type: "file", hidden: true, multiple: true, ...attributes });
     input.addEventListener("change", () => {
       const files = [...input.files].map((file) => ({ path: file.webkitRelativePath || file.name, file }));
       input.value = "";
-      shown.open(() => files);
+      open(files);
     });
     return input;
   };
   const [files, folder] = [chooser({ id: "files" }), chooser({ webkitdirectory: true })];
   $("open").append(files, folder,
-    button("Open files…", () => files.click()), button("Open folder…", () => folder.click()));
+    button("Open files…", () => files.click()), button("Open folder…", () => folder.click()), shown.reading.details);
   $("open").hidden = false;
   const isFiles = (event) => [...event.dataTransfer.types].includes("Files");
   const mark = (event, on) => {
@@ -144,7 +199,7 @@ function hearFiles(shown) {
     mark(event, false);
     // What is dropped is known only now.
     const list = dropped(event.dataTransfer);
-    shown.open(() => list);
+    open(list);
   });
   document.addEventListener("keydown", (event) => {
     const isO = event.key.toLowerCase() === "o" && !event.ctrlKey && !event.metaKey && !event.altKey;

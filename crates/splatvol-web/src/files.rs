@@ -11,17 +11,21 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use splatvol_document::HeldContent;
+use splatvol_document::keys::ItemKeys;
 use splatvol_io::{DataOptions, Description, IoError, data_kind, read_data};
 
 use crate::message::Described;
 use crate::{ItemData, Precision, size_of};
 
 /// Files that a page was given.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilesGiven {
     /// The files.
     pub files: Vec<FileGiven>,
+    /// Keys of how all of them are read, where they leave it open: `component`, `array`, `dims`, ...
+    #[serde(default)]
+    pub keys: ItemKeys,
 }
 
 /// A file that a page was given.
@@ -56,12 +60,16 @@ pub struct ItemRead {
     pub size: String,
 }
 
-/// Reads files, given by their paths relative to the folder that has them all.
+/// Reads files, given by their paths relative to the folder that has them all; each in the same way.
 ///
 /// # Errors
 /// That of the first file, where none can be read.
-pub fn read_files(root: &Path, files: &[PathBuf]) -> Result<(FilesRead, Vec<u8>), IoError> {
-    let mut reading = Reading::default();
+pub fn read_files(
+    root: &Path,
+    files: &[PathBuf],
+    options: &DataOptions,
+) -> Result<(FilesRead, Vec<u8>), IoError> {
+    let mut reading = Reading::new(options);
     let is_data = |folder: &Path| data_kind(folder, &DataOptions::default()).is_ok();
     match common_folder(files).map(|folder| root.join(folder)) {
         Some(folder) if is_data(&folder) => reading.add(&folder, &name_of(&folder))?,
@@ -93,15 +101,24 @@ fn name_of(path: &Path) -> String {
 const MOST_FAILED: usize = 8;
 
 /// What has been read so far.
-#[derive(Default)]
-struct Reading {
+struct Reading<'a> {
+    options: &'a DataOptions,
     read: FilesRead,
     bytes: Vec<u8>,
     /// Files that belong to an item.
     used: HashSet<PathBuf>,
 }
 
-impl Reading {
+impl<'a> Reading<'a> {
+    fn new(options: &'a DataOptions) -> Self {
+        Self {
+            options,
+            read: FilesRead::default(),
+            bytes: Vec::new(),
+            used: HashSet::new(),
+        }
+    }
+
     /// Reads loose files as slices of one volume, which has the name of the first, if most of them are; says whether.
     fn add_slices(&mut self, root: &Path, files: &[PathBuf]) -> bool {
         let name = files.first().map(|first| name_of(first)).unwrap_or_default();
@@ -109,7 +126,7 @@ impl Reading {
         let slices = files.iter().filter(|file| self.used.contains(&root.join(file)));
         let are_slices = is_read && 2 * slices.count() > files.len();
         if !are_slices {
-            *self = Self::default();
+            *self = Self::new(self.options);
         }
         are_slices
     }
@@ -148,7 +165,7 @@ impl Reading {
 
     /// Reads a file or a folder.
     fn add(&mut self, path: &Path, name: &str) -> Result<(), IoError> {
-        let loaded = read_data(path, &DataOptions::default())?;
+        let loaded = read_data(path, self.options)?;
         let Description {
             format,
             oriented,
@@ -174,6 +191,8 @@ impl Reading {
 
 #[cfg(test)]
 mod tests {
+    use splatvol_document::{ReadRules, items};
+
     use super::*;
     use crate::Session;
 
@@ -181,6 +200,10 @@ mod tests {
 
     /// Reads files that are written to a folder.
     fn read(files: &[(&str, &[u8])]) -> Result<(FilesRead, Vec<u8>), IoError> {
+        read_as(files, &DataOptions::default())
+    }
+
+    fn read_as(files: &[(&str, &[u8])], options: &DataOptions) -> Result<(FilesRead, Vec<u8>), IoError> {
         let folder = tempfile::tempdir().unwrap();
         for (path, bytes) in files {
             let path = folder.path().join(path);
@@ -188,7 +211,7 @@ mod tests {
             std::fs::write(path, bytes).unwrap();
         }
         let paths: Vec<PathBuf> = files.iter().map(|(path, _)| PathBuf::from(path)).collect();
-        read_files(folder.path(), &paths)
+        read_files(folder.path(), &paths, options)
     }
 
     fn names(read: &FilesRead) -> Vec<&str> {
@@ -232,6 +255,27 @@ mod tests {
         assert_eq!(
             (warnings.len(), warnings[8].as_str()),
             (9, "12 more files were not read")
+        );
+    }
+
+    #[test]
+    fn what_a_file_leaves_open_can_be_said() {
+        let said = |keys: &str| {
+            let given: FilesGiven =
+                serde_json::from_str(&format!(r#"{{ "files": [], "keys": {{ {keys} }} }}"#)).unwrap();
+            items::options(&given.keys, ReadRules::default())
+        };
+        let raw: (&str, &[u8]) = ("a.raw", &[3; 16]);
+        assert!(read(&[raw]).is_err());
+        let layout = said(r#""dims": [4, 2, 1], "type": "u16", "endian": "big", "kind": "volume""#).unwrap();
+        let (found, bytes) = read_as(&[raw], &layout).unwrap();
+        assert_eq!(found.items[0].size, "4 × 2 × 1 samples");
+        assert_eq!(bytes, [3; 16]);
+        assert!(
+            said(r#""dims": [4, 2, 1]"#)
+                .unwrap_err()
+                .to_string()
+                .contains("type")
         );
     }
 

@@ -13,6 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use splatvol_document::{ReadRules, items};
 use splatvol_io::files::{GivenBytes, GivenFile, give};
 
 use crate::files::{FilesGiven, FilesRead, read_files};
@@ -119,11 +120,12 @@ impl GivenBytes for PageFile {
 
 /// Reads files that the page was given.
 fn read_given(given: FilesGiven) -> Result<(FilesRead, Vec<u8>), WebError> {
+    let options = items::options(&given.keys, ReadRules::default())?;
     let paths: Vec<PathBuf> = given.files.iter().map(|file| file.path.clone()).collect();
     give((0..).zip(given.files).map(|(number, file)| GivenFile {
         path: file.path,
         length: file.length,
         bytes: Arc::new(PageFile(number)),
     }));
-    Ok(read_files(Path::new(""), &paths)?)
+    Ok(read_files(Path::new(""), &paths, &options)?)
 }

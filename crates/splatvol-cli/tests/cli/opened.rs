@@ -140,6 +140,51 @@ fn opens_files(browser: &Browser) {
     );
     assert!(picture() == last, "what cannot be read changes the picture");
 
+    // What a file leaves open is said in fields.
+    sandbox.write(
+        "bare.bin",
+        (0..16 * 16 * 16)
+            .map(|i: i32| (i % 16 * 16) as u8)
+            .collect::<Vec<_>>(),
+    );
+    let fill = |label: &str, text: &str| {
+        browser.promised(&format!(
+            "(() => {{ const label = [...document.querySelectorAll('#open label')].find((made) => made.textContent === '{label}'); \
+             document.getElementById(label.htmlFor).value = '{text}'; }})()"
+        ));
+    };
+    let open = format!("splatvol.open({})", given(&sandbox, &["bare.bin"]));
+    browser.promised(&open);
+    assert!(trouble().as_str().unwrap().contains("layout"), "{}", trouble());
+    assert_eq!(
+        browser.promised("document.querySelector('#open details').open"),
+        true
+    );
+    fill("Raw: size", "16x16");
+    fill("Raw: type", "u8");
+    browser.promised(&open);
+    assert!(
+        trouble().as_str().unwrap().contains("array of length 3"),
+        "{}",
+        trouble()
+    );
+    fill("Raw: size", "16 x 16 x sixteen");
+    browser.promised(&open);
+    assert!(
+        trouble().as_str().unwrap().contains("expected a number"),
+        "{}",
+        trouble()
+    );
+    assert!(picture() == last);
+    fill("Raw: size", "16x16x16");
+    browser.promised(&open);
+    assert_eq!(trouble(), "");
+    let run = "render bare.bin --dims 16,16,16 --type u8 --size 120 -o made.png -w";
+    sandbox.run(run).succeeds();
+    assert!(opaque(&picture()) == png(&sandbox.path("made.png")).2, "{run}");
+    fill("Raw: size", "");
+    fill("Raw: type", "");
+
     // The panel is that of what was opened, and it still turns.
     browser.promised(&format!("splatvol.open({})", given(&sandbox, &["head.nrrd"])));
     let first = picture();
