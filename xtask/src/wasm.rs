@@ -62,6 +62,7 @@ pub(crate) fn check(root: &Path) -> Result<String> {
     cargo
         .current_dir(root)
         .args(["check", "--locked", "--target", TARGET]);
+    cargo.args(["--features", "splatvol-web/module"]);
     for name in CRATES {
         cargo.args(["--package", name]);
     }
@@ -109,7 +110,8 @@ pub(crate) fn build_engine(root: &Path) -> Result<String> {
     let status = Command::new(env!("CARGO"))
         .current_dir(root)
         .args(["rustc", "--locked", "--profile", "web", "--target", TARGET])
-        .args(["--package", PACKAGE, "--lib", "--crate-type", "staticlib"])
+        .args(["--package", PACKAGE, "--features", "module"])
+        .args(["--lib", "--crate-type", "staticlib"])
         .status()
         .context("cannot start cargo")?;
     ensure!(status.success(), "{PACKAGE} does not build for {TARGET}");

@@ -39,7 +39,7 @@
 mod data;
 mod error;
 mod files;
-#[cfg(target_family = "wasm")]
+#[cfg(all(target_family = "wasm", feature = "module"))]
 mod interface;
 mod look;
 pub mod message;
