@@ -73,7 +73,7 @@ pub fn read_files(
     let is_data = |folder: &Path| data_kind(folder, &DataOptions::default()).is_ok();
     match common_folder(files).map(|folder| root.join(folder)) {
         Some(folder) if is_data(&folder) => reading.add(&folder, &name_of(&folder))?,
-        None if files.len() > 1 && is_data(root) && reading.add_slices(root, files) => {}
+        None if files.len() > 1 && is_data(root) => reading.add_loose(root, files)?,
         _ => reading.add_each(root, files)?,
     }
     Ok((reading.read, reading.bytes))
@@ -119,16 +119,25 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Reads loose files as slices of one volume, which has the name of the first, if most of them are; says whether.
-    fn add_slices(&mut self, root: &Path, files: &[PathBuf]) -> bool {
+    /// Reads loose files as slices of one volume, which has the name of the first; or each, if most of them are none.
+    fn add_loose(&mut self, root: &Path, files: &[PathBuf]) -> Result<(), IoError> {
+        let here = Path::new(".");
+        let folder = if root.as_os_str().is_empty() { here } else { root };
         let name = files.first().map(|first| name_of(first)).unwrap_or_default();
-        let is_read = self.add(root, &name).is_ok();
-        let slices = files.iter().filter(|file| self.used.contains(&root.join(file)));
-        let are_slices = is_read && 2 * slices.count() > files.len();
-        if !are_slices {
-            *self = Self::new(self.options);
+        let slices = self.add(folder, &name).map(|()| {
+            let found = files.iter().filter(|file| self.used.contains(&root.join(file)));
+            found.count()
+        });
+        if slices.as_ref().is_ok_and(|slices| 2 * slices > files.len()) {
+            return Ok(());
         }
-        are_slices
+        *self = Self::new(self.options);
+        let each = self.add_each(root, files);
+        match (each, slices) {
+            // Neither: that they are no slices says more than that one of them is no volume.
+            (Err(_), Err(error)) => Err(error),
+            (each, _) => each,
+        }
     }
 
     /// Reads each file that belongs to no other.
@@ -173,7 +182,8 @@ impl<'a> Reading<'a> {
             warnings,
             ..
         } = loaded.description;
-        self.used.extend(files);
+        let plain = |path: PathBuf| path.strip_prefix(".").map(Path::to_owned).unwrap_or(path);
+        self.used.extend(files.into_iter().map(plain));
         let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}"));
         self.read.warnings.extend(warnings);
         let content = HeldContent::from(loaded.data);
@@ -191,7 +201,7 @@ impl<'a> Reading<'a> {
 
 #[cfg(test)]
 mod tests {
-    use splatvol_document::{ReadRules, items};
+    use splatvol_document::{DocumentError, ReadRules, items};
 
     use super::*;
     use crate::Session;
@@ -212,6 +222,13 @@ mod tests {
         }
         let paths: Vec<PathBuf> = files.iter().map(|(path, _)| PathBuf::from(path)).collect();
         read_files(folder.path(), &paths, options)
+    }
+
+    /// Options of a message with these keys.
+    fn said(keys: &str) -> Result<DataOptions, DocumentError> {
+        let message = format!(r#"{{ "files": [], "keys": {{ {keys} }} }}"#);
+        let given: FilesGiven = serde_json::from_str(&message).unwrap();
+        items::options(&given.keys, ReadRules::default())
     }
 
     fn names(read: &FilesRead) -> Vec<&str> {
@@ -260,11 +277,6 @@ mod tests {
 
     #[test]
     fn what_a_file_leaves_open_can_be_said() {
-        let said = |keys: &str| {
-            let given: FilesGiven =
-                serde_json::from_str(&format!(r#"{{ "files": [], "keys": {{ {keys} }} }}"#)).unwrap();
-            items::options(&given.keys, ReadRules::default())
-        };
         let raw: (&str, &[u8]) = ("a.raw", &[3; 16]);
         assert!(read(&[raw]).is_err());
         let layout = said(r#""dims": [4, 2, 1], "type": "u16", "endian": "big", "kind": "volume""#).unwrap();
@@ -300,6 +312,10 @@ mod tests {
                 ("4 × 3 × 3 samples", 36)
             );
         }
+        // Why they cannot be read is why the slices cannot.
+        let options = said(r#""component": 0"#).unwrap();
+        let error = read_as(&[("2.png", &slice[..]), ("1.png", &slice)], &options).unwrap_err();
+        assert!(error.to_string().contains("component"), "{error}");
         // Two volumes beside a picture are no slices.
         let header = format!("{HEADER}LOCAL\n");
         let volume = [header.as_bytes(), &[1; 8]].concat();
