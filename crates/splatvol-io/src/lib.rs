@@ -13,6 +13,8 @@
 //! | [`animation`] | GIF, animated PNG (written only) |
 //! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
+//! Readers meet files through [`files`]: those of the system or, in a browser, those that a page was given.
+//!
 //! Guarantees of every reader: no panic and no endless loop on any bytes; no allocation that the bytes present do not
 //! justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed, and
 //! [`ReadOptions::strict`] turns them into errors); no path outside the input's folder is followed (except absolute

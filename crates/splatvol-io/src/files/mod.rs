@@ -1,7 +1,7 @@
 //! The files that readers read.
 //!
 //! Where there is a system, they are its own. A browser gives its modules none: there, they are those that a page was given
-//! ([`give`]), under the same names and with the same functions, so that no reader knows of the difference.
+//! (`give`), under the same names and with the same functions, so that no reader knows of the difference.
 
 #[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
 mod given;
