@@ -68,26 +68,45 @@ async function readFiles(files, keys, told) {
   return { read, bytes };
 }
 
-/** The files of what was dropped, folders with all that is in them. */
+/** The files of what was dropped, folders with all that is in them. Of pages from disk Chromium reads folders by handles only. */
 async function dropped(transfer) {
-  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter(Boolean);
+  // All has to be asked for before the first wait.
+  const items = [...transfer.items].filter((item) => item.kind === "file").map((item) => ({
+    file: item.getAsFile(),
+    entry: item.webkitGetAsEntry && item.webkitGetAsEntry(),
+    handle: item.getAsFileSystemHandle && item.getAsFileSystemHandle(),
+  }));
   const files = [];
-  const collect = async (entry) => {
-    if (entry.isFile) {
-      const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
-      files.push({ path: entry.fullPath.replace(/^\/+/, ""), file });
-      return;
-    }
-    const reader = entry.createReader();
-    // It gives some of them at a time.
-    for (;;) {
-      const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-      if (some.length === 0) return;
-      for (const inside of some) await collect(inside);
-    }
-  };
-  for (const entry of entries) await collect(entry);
+  for (const { file, entry, handle } of items) {
+    if (!entry || entry.isFile) files.push({ path: file.name, file });
+    else if (handle) await collectHandle(await handle, "", files);
+    else await collectEntry(entry, files);
+  }
   return files;
+}
+
+async function collectHandle(handle, folder, files) {
+  const path = `${folder}${handle.name}`;
+  if (handle.kind === "file") {
+    files.push({ path, file: await handle.getFile() });
+    return;
+  }
+  for await (const inside of handle.values()) await collectHandle(inside, `${path}/`, files);
+}
+
+async function collectEntry(entry, files) {
+  if (entry.isFile) {
+    const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
+    files.push({ path: entry.fullPath.replace(/^\/+/, ""), file });
+    return;
+  }
+  const reader = entry.createReader();
+  // It gives some of them at a time.
+  for (;;) {
+    const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (some.length === 0) return;
+    for (const inside of some) await collectEntry(inside, files);
+  }
 }
 
 /** What files may leave open: a key of items, its label, an example, and what is made of the text. */
