@@ -1,5 +1,5 @@
 //! Time of a frame of 1024 x 1024 pixels: one figure, three by three of it (1.37 million), and these with a point
-//! beside them.
+//! beside them; and of shares of a frame of 512 x 512, as workers without common memory draw them.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench gaussians
@@ -13,7 +13,7 @@ use std::fmt;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::{DAffine3, DQuat, DVec3};
-use splatvol::{EngineConfig, Renderer, SimdLevel};
+use splatvol::{Control, EngineConfig, Frame, Renderer, Share, SimdLevel};
 use splatvol_scene::{
     Camera, GaussianAttributes, Gaussians, ImageSize, Item, PointAttributes, PointLook, Points, Projection,
     RenderSettings, Scene, View,
@@ -144,4 +144,51 @@ fn frame(bencher: Bencher<'_, '_>, case: Case) {
     bencher
         .counter(ItemsCount::new(case.figures * SPLATS))
         .bench_local(|| renderer.render(&scene, &camera, &settings));
+}
+
+/// One of several shares of a frame, in blocks of `edge` pixels.
+#[derive(Clone, Copy)]
+struct Part {
+    shares: usize,
+    edge: usize,
+    simd: SimdLevel,
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { shares, edge, simd } = self;
+        write!(f, "1/{shares} in blocks of {edge}, {simd:?}")
+    }
+}
+
+fn parts() -> impl Iterator<Item = Part> {
+    let levels = SimdLevel::ALL.into_iter().filter(|level| level.is_available());
+    levels.flat_map(|simd| [(1, 64), (2, 64), (2, 128)].map(|(shares, edge)| Part { shares, edge, simd }))
+}
+
+#[divan::bench(args = parts())]
+fn share(bencher: Bencher<'_, '_>, part: Part) {
+    let scene = Scene::of_items(vec![Item::gaussians(figure(DVec3::ZERO))]).expect("a valid item");
+    let size = ImageSize::new(512, 512).expect("a valid size");
+    let projection = Projection::Perspective { fov_degrees: 40.0 };
+    let bounds = scene.bounds().expect("a box of the figure");
+    let camera = Camera::framing(&bounds, View::Iso, projection, size.aspect()).expect("a valid camera");
+    let mut renderer = Renderer::new(EngineConfig {
+        threads: Some(1),
+        simd: Some(part.simd),
+        ..EngineConfig::default()
+    })
+    .expect("threads");
+    let settings = RenderSettings {
+        size,
+        ..RenderSettings::default()
+    };
+    let control = Control {
+        share: Some(Share::new(0, part.shares, part.edge).expect("a share")),
+        ..Control::default()
+    };
+    let mut frame = Frame::empty(size);
+    bencher
+        .counter(ItemsCount::new(SPLATS))
+        .bench_local(|| renderer.render_with(&scene, &camera, &settings, &mut frame, &control));
 }
