@@ -1,6 +1,7 @@
 //! The door to files: whatever a document names is read through here.
 //!
-//! Browsers give their modules no files, so there the door is shut, and the readers behind it are left out of the module.
+//! Browsers give the engine's module no files, so there the door is shut, and the readers behind it are left out: those that pages
+//! have are a module of their own, which makes no pictures (`splatvol_web::files`).
 
 use std::io;
 use std::path::Path;

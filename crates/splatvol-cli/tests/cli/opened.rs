@@ -177,6 +177,8 @@ fn opens_files(browser: &Browser) {
     fill("Raw: size", "");
     fill("Raw: type", "");
 
+    drops_files(browser, &sandbox);
+
     // The panel is that of what was opened, and it still turns.
     browser.promised(&format!("splatvol.open({})", given(&sandbox, &["head.nrrd"])));
     let first = picture();
@@ -193,5 +195,41 @@ fn opens_files(browser: &Browser) {
             own || url.starts_with("blob:") || url.starts_with("data:"),
             "the page asks for {url}"
         );
+    }
+}
+
+/// Drops by a script, as any browser hears them, and by the browser itself, where its driver can: a file and a folder.
+fn drops_files(browser: &Browser, sandbox: &Sandbox) {
+    let shown_as = |same: &str| {
+        assert_eq!(
+            browser.promised("document.getElementById('trouble').textContent"),
+            ""
+        );
+        assert_eq!(
+            browser.promised("document.body.classList.contains('dropping')"),
+            false
+        );
+        sandbox
+            .run(&format!("render {same} --size 120 -o made.png -w"))
+            .succeeds();
+        let shown = opaque(&browser.picture([120, 120]));
+        assert!(shown == png(&sandbox.path("made.png")).2, "{same} is dropped");
+    };
+    let drop = format!(
+        "(() => {{ const all = new DataTransfer(); {}.forEach(({{ file }}) => all.items.add(file)); \
+         for (const kind of ['dragover', 'drop']) document.dispatchEvent(new DragEvent(kind, {{ dataTransfer: all, cancelable: true }})); \
+         return splatvol.settled(); }})()",
+        given(sandbox, &["ball.xyz"])
+    );
+    browser.promised(&drop);
+    shown_as("ball.xyz");
+    for name in ["lone.ply", "slices"] {
+        let title = browser.promised("document.title");
+        if browser.drop_files(&[&sandbox.path(name)], [200, 200]) {
+            // The event may come after the driver's answer.
+            browser.wait_until(&format!("document.title !== {title}"));
+            browser.promised("splatvol.settled()");
+            shown_as(name);
+        }
     }
 }

@@ -100,9 +100,15 @@ impl Browser {
         // So that the page of before is not taken for it.
         self.promised("(window.splatvol = undefined, 0)");
         self.command("url", &json!({ "url": url }));
+        self.wait_until("typeof window.splatvol === 'object'");
+    }
+
+    /// Waits until an expression of the page is true.
+    #[track_caller]
+    pub(crate) fn wait_until(&self, expression: &str) {
         let start = Instant::now();
-        while self.promised("typeof window.splatvol") != "object" {
-            assert!(start.elapsed() < PATIENCE, "{url}: its script does not run");
+        while self.promised(expression) != true {
+            assert!(start.elapsed() < PATIENCE, "it stays false: {expression}");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -153,6 +159,23 @@ impl Browser {
         ]);
         let pointer = json!({ "type": "pointer", "id": "mouse", "actions": actions });
         self.command("actions", &json!({ "actions": [pointer] }));
+    }
+
+    /// Drops files and folders of the disk on a place of the page, as a user does; `false` where no driver can.
+    #[track_caller]
+    pub(crate) fn drop_files(&self, paths: &[&Path], [x, y]: [u32; 2]) -> bool {
+        if !matches!(self.session, Session::Chromium(_)) {
+            return false;
+        }
+        let data = json!({ "items": [], "files": paths, "dragOperationsMask": 1 });
+        for kind in ["dragEnter", "dragOver", "drop"] {
+            let event = json!({ "type": kind, "x": x, "y": y, "data": data });
+            self.command(
+                "goog/cdp/execute",
+                &json!({ "cmd": "Input.dispatchDragEvent", "params": event }),
+            );
+        }
+        true
     }
 
     /// Presses a key on what has the focus.
