@@ -283,6 +283,16 @@ async function startInstances(page) {
   return openData(module, { document: page.document, data: page.data }, samples);
 }
 
+/** The GPU engine of this page, which is unpacked once; there only where the browser may have a device. */
+const webgpu = {
+  unpacking: null,
+  isThere: () => Boolean(navigator.gpu) && (webgpu.unpacking !== null || $("webgpu").textContent !== ""),
+  engine() {
+    webgpu.unpacking = webgpu.unpacking || gpuEngine(["webgpu-bindings", "webgpu"].map(bytesOf));
+    return webgpu.unpacking;
+  },
+};
+
 /** Instances with data, and what they say of these. */
 async function openData(module, message, samples) {
   const pool = await startPool(module, memberCount(samples.length));
@@ -293,58 +303,7 @@ async function openData(module, message, samples) {
     pool.members.forEach((member) => member.end());
     throw new Error(facts.error);
   }
-  const opening = mayHaveWebGpu() ? { open, samples } : null;
-  return { pool: { ...pool, opening }, facts };
-}
-
-/** Drafts by WebGPU, once the first picture is final; by an imitated device only if `force`d. Returns whether it draws them. */
-async function quicken({ view, frames, pool }, force) {
-  if (frames.fast) return true;
-  const { opening } = pool;
-  const member = opening && (await startWebGpu(force));
-  if (!member) return false;
-  try {
-    await told(member, [opening.open], opening.samples);
-    pool.opening = null;
-    if (!force && !(await isFaster(member, frames))) throw new Error("it is slower than the processor");
-    // Something may be changed while it is told.
-    for (let changes = -1; changes !== frames.changes; ) {
-      changes = frames.changes;
-      await told(member, view.allEdits());
-    }
-    if (frames.isOver) throw new Error("something else is shown by now");
-    frames.quickened(member);
-    return true;
-  } catch (error) {
-    member.end();
-    throw error;
-  }
-}
-
-/** Tells a member to do something, one after the other. */
-async function told(member, headers, bytes) {
-  for (const header of headers) {
-    const answer = await member.ask(header, bytes);
-    if (answer.header.error) throw new Error(answer.header.error);
-  }
-}
-
-/** Whether a member draws a small draft in less time than the others would: twice, as the first one has to prepare. */
-async function isFaster(member, frames) {
-  const size = frames.view.size().map((side) => Math.max(1, Math.round(side / STEPS[FINEST])));
-  let took = 0;
-  for (const _time of [1, 2]) {
-    const { header, milliseconds } = await member.ask({ do: "render", size, camera: frames.view.camera(size) });
-    if (header.error) throw new Error(header.error);
-    took = milliseconds;
-  }
-  return took < (frames.cost * size[0] * size[1]) / frames.drafters.length;
-}
-
-/** Says in the console why there is no WebGPU: the page draws all the same. */
-function noWebGpu(error) {
-  console.warn(`splatvol: no WebGPU: ${error.message || error}`);
-  return false;
+  return { pool, facts, scene: webgpu.isThere() ? { open, samples, gpu: webgpu.engine } : {} };
 }
 
 /** What the page shows: first what it was made for, then what is opened in it. */
@@ -355,16 +314,21 @@ class Shown {
     this.begin(opened, notes);
   }
 
-  begin({ pool, facts }, notes) {
+  begin({ pool, facts, scene }, notes) {
     const view = new View(facts, notes);
     const frames = new Frames($("view"), pool, view);
     view.frames = frames;
     view.panel = buildPanel(view);
     view.panel.curves(view.looks);
     view.steps();
-    Object.assign(this, { view, frames, pool });
+    Object.assign(this, { view, frames, pool, scene: { ...scene, edits: () => view.allEdits() } });
     frames.changed();
-    frames.settled().then(() => quicken({ view, frames, pool }, false)).catch(noWebGpu);
+    frames.settled().then(() => this.quicken(false)).catch(noWebGpu);
+  }
+
+  /** Drafts by WebGPU, once the first picture is final; by an imitated device only if `force`d. */
+  quicken(force) {
+    return quicken(this.frames, this.scene, force);
   }
 
   /** Opens files, once those of before are opened. */
@@ -407,7 +371,7 @@ const started = main().catch((error) => {
  */
 window.splatvol = {
   picture: async (width, height) => (await started).frames.picture([width, height]),
-  quicken: async () => quicken(await started, true),
+  quicken: async () => (await started).quicken(true),
   draft: async (width, height) => {
     const { frames } = await started;
     return frames.picture([width, height], frames.drafters);

@@ -36,7 +36,7 @@ function onServer() {
 async function startServed(page) {
   const server = onServer();
   const facts = await server.facts();
-  const none = { members: [], workers: 0 };
-  const pool = $("engine").textContent === "" ? none : await startInstances(page).then((own) => own.pool, () => none);
-  return { pool: { ...pool, server }, facts };
+  const none = { pool: { members: [], workers: 0 } };
+  const { pool, scene } = $("engine").textContent === "" ? none : await startInstances(page).catch(() => none);
+  return { pool: { ...pool, server }, facts, scene };
 }

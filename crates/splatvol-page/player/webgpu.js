@@ -26,25 +26,70 @@ function workOnGpu() {
   };
 }
 
-/** Bindings and module, once they are unpacked. */
-let webgpu = null;
-
-/** Whether page and browser have what it takes. */
-function mayHaveWebGpu() {
-  return (webgpu !== null || $("webgpu").textContent !== "") && Boolean(navigator.gpu);
+/** Whether the browser has a device; one that the processor imitates counts only where that is `allowed`. */
+async function hasGpu(allowed) {
+  const adapter = navigator.gpu && (await navigator.gpu.requestAdapter({ powerPreference: "high-performance" }));
+  return Boolean(adapter) && (allowed || !(adapter.info && adapter.info.isFallbackAdapter));
 }
 
-async function unpackedWebGpu() {
-  const bindings = new TextDecoder().decode(await unpacked(bytesOf("webgpu-bindings")));
-  return { bindings, module: await WebAssembly.compile(await unpacked(bytesOf("webgpu"))) };
+/** The engine of packed bindings and module. */
+async function gpuEngine([bindings, module]) {
+  return {
+    bindings: new TextDecoder().decode(await unpacked(bindings)),
+    module: await WebAssembly.compile(await unpacked(module)),
+  };
 }
 
-/** An instance, or none: no module, no device, or one that the processor imitates unless that is `allowed`. */
-async function startWebGpu(allowed) {
-  if (!mayHaveWebGpu()) return null;
-  const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
-  if (!adapter || (adapter.info && adapter.info.isFallbackAdapter && !allowed)) return null;
-  webgpu = webgpu || unpackedWebGpu();
-  const { bindings, module } = await webgpu;
-  return inBlob(`"use strict";\n${bindings}\n(${workOnGpu})();\n`, (url) => inWorker(module, url));
+/**
+ * Drafts of `frames` by WebGPU; by an imitated device only if `force`d. Returns whether it draws them. `scene` has the message that
+ * opened it, the `samples` of that, the promise of an engine (`gpu`), and all that has been edited since then (`edits`).
+ */
+async function quicken(frames, scene, force) {
+  if (frames.fast) return true;
+  if (!scene.open || !(await hasGpu(force))) return false;
+  const { bindings, module } = await scene.gpu();
+  const source = `"use strict";\n${bindings}\n(${workOnGpu})();\n`;
+  const member = await inBlob(source, (url) => inWorker(module, url));
+  try {
+    await told(member, [scene.open], scene.samples);
+    Object.assign(scene, { open: null, samples: null });
+    if (!force && !(await isFaster(member, frames))) throw new Error("it is slower than the processor");
+    // Something may be changed while it is told.
+    for (let changes = -1; changes !== frames.changes; ) {
+      changes = frames.changes;
+      await told(member, scene.edits());
+    }
+    if (frames.isOver) throw new Error("something else is shown by now");
+    frames.quickened(member);
+    return true;
+  } catch (error) {
+    member.end();
+    throw error;
+  }
+}
+
+/** Tells a member to do something, one after the other. */
+async function told(member, headers, bytes) {
+  for (const header of headers) {
+    const answer = await member.ask(header, bytes);
+    if (answer.header.error) throw new Error(answer.header.error);
+  }
+}
+
+/** Whether a member draws a small draft in less time than the others would: twice, as the first one has to prepare. */
+async function isFaster(member, frames) {
+  const size = frames.view.size().map((side) => Math.max(1, Math.round(side / STEPS[FINEST])));
+  let took = 0;
+  for (const _time of [1, 2]) {
+    const { header, milliseconds } = await member.ask({ do: "render", size, camera: frames.view.camera(size) });
+    if (header.error) throw new Error(header.error);
+    took = milliseconds;
+  }
+  return took < (frames.cost * size[0] * size[1]) / frames.drafters.length;
+}
+
+/** Says in the console why there is no WebGPU: drafts come all the same. */
+function noWebGpu(error) {
+  console.warn(`splatvol: no WebGPU: ${error.message || error}`);
+  return false;
 }

@@ -17,7 +17,8 @@ const STYLE: &str = include_str!("../player/style.css");
 /// pictures on a canvas (`frames.js`). Notebooks use it.
 pub const ENGINE_SCRIPT: &str = concat!(
     include_str!("../player/engine.js"),
-    include_str!("../player/frames.js")
+    include_str!("../player/frames.js"),
+    include_str!("../player/webgpu.js")
 );
 
 /// The player's script, with a part of its own.

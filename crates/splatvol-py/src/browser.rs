@@ -16,6 +16,13 @@ pub(crate) fn browser_engine(py: Python<'_>) -> Option<Bound<'_, PyBytes>> {
     Some(PyBytes::new(py, engine))
 }
 
+/// Bindings and module of the GPU engine for browsers, in gzip; `None` where the package was built without it.
+#[pyfunction]
+pub(crate) fn browser_gpu_engine(py: Python<'_>) -> Option<(Bound<'_, PyBytes>, Bound<'_, PyBytes>)> {
+    let engine = splatvol_page::webgpu()?;
+    Some((PyBytes::new(py, engine.bindings), PyBytes::new(py, engine.module)))
+}
+
 /// The script that asks instances of the engine for pictures.
 #[pyfunction]
 pub(crate) fn browser_script() -> &'static str {

@@ -280,6 +280,41 @@ def test_the_widget_turns_while_the_kernel_is_busy(browser: Any, tmp_path: Path)
         page.close()
 
 
+def test_the_widget_turns_by_webgpu(browser: Any, tmp_path: Path) -> None:
+    if _browser.engine() is None or _browser.gpu_engine() is None:
+        pytest.skip("the package was built without the GPU engine for browsers: cargo xtask-webgpu")
+    (tmp_path / "head.ipynb").write_text(notebook(cell(CODE)))
+    # A device that the processor imitates.
+    device = ["--no-sandbox", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
+    other = browser.browser_type.launch(executable_path=CHROMIUM, args=device)
+    with contextlib.closing(other), lab(tmp_path) as address:
+        page = opened(other, address, "head.ipynb")
+        problems: list[str] = []
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.evaluate("globalThis.splatvolImitatedGpu = true")
+        run(page)
+        first = at_rest(page)
+        page.wait_for_selector(f"{CANVAS}[data-webgpu=true]", timeout=120_000)
+        assert at_rest(page) == first
+        box = page.locator(CANVAS).bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(x, y)
+        page.mouse.down()
+        drafts = set()
+        for step in range(1, 7):
+            page.mouse.move(x + 12 * step, y)
+            page.wait_for_timeout(400)
+            drafts.add(str(page.evaluate("canvas => document.querySelector(canvas).toDataURL()", CANVAS)))
+        screen(page, "11-webgpu")
+        assert 0.1 < share_of_background(page, CANVAS) < 0.9
+        assert page.locator(f"{CANVAS}[data-webgpu=true]").count() == 1
+        assert len(drafts) >= 2
+        page.mouse.up()
+        at_rest(page, first)
+        screen(page, "12-webgpu-rest")
+        assert problems == []
+
+
 def wait_for_outputs(path: Path) -> None:
     for _ in range(100):
         if json.loads(path.read_text())["cells"][0]["outputs"]:

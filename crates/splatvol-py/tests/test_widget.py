@@ -141,13 +141,13 @@ def test_a_size_that_was_too_slow_is_tried_again() -> None:
 
 
 def arrived(page: Page) -> tuple[dict[str, Any], bytes, bytes]:
-    """What a page needs to draw: facts, the engine, and the samples."""
+    """What a page needs to draw: facts, the engine, and the samples; or nothing, bindings and module of the GPU engine."""
     for _ in range(1000):
-        facts = [message["facts"] for message in page.heard if "facts" in message]
+        last = [message for message in page.heard if "lengths" in message][-1:]
         bytes_there = b"".join(page.pieces)
-        if facts and len(bytes_there) == facts[-1]["engine"] + facts[-1]["samples"]:
-            engine = facts[-1]["engine"]
-            return facts[-1], bytes_there[:engine], bytes_there[engine:]
+        if last and len(bytes_there) == sum(last[0]["lengths"]):
+            first, _ = last[0]["lengths"]
+            return last[0].get("facts", {}), bytes_there[:first], bytes_there[first:]
         time.sleep(0.02)
     raise AssertionError(f"{len(page.pieces)} pieces arrived")
 
@@ -175,10 +175,29 @@ def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], mo
     # Another page has the engine already; and of another scene both get the data.
     page.pieces.clear()
     page.say(kind="ready", view="other", engines=[facts["key"]])
-    assert arrived(page)[0]["engine"] == 0
+    assert arrived(page)[1] == b""
     page.pieces.clear()
     page.widget.scene = sv.Scene("sample:shells:16", size=SIZE)
     assert {"kind": "browser", "end": True} in page.heard
+
+
+def test_pages_with_a_device_get_the_gpu_engine(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
+    if _browser.engine() is None or _browser.gpu_engine() is None:
+        pytest.skip("the package was built without the GPU engine for browsers: cargo xtask-webgpu")
+    monkeypatch.setattr(_browser, "PAUSE", 0.0)
+    page = Page(make())
+    page.rest()
+    facts, _, _ = arrived(page)
+    page.pieces.clear()
+    page.say(kind="gpu")
+    nothing, bindings, module = arrived(page)
+    assert nothing == {}
+    assert b"wasm_bindgen" in gzip.decompress(bindings)
+    assert gzip.decompress(module)[:4] == b"\0asm"
+    # Another page that has it has no need to ask.
+    page.pieces.clear()
+    page.say(kind="ready", view="other", engines=[facts["key"], facts["gpu"]])
+    assert arrived(page)[0]["gpu"] == facts["gpu"]
 
 
 def test_pages_draw_points_themselves(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:

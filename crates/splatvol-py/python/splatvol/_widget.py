@@ -42,7 +42,7 @@ class Widget(anywidget.AnyWidget):
     Drag turns, the wheel zooms, shift and drag moves, a double click resets; arrows, plus, minus and ``r`` do the
     same. At rest, the picture is that of ``scene.render()``. While something moves, drafts are shown. The page draws
     them by itself, also where the kernel is busy, as soon as it has the engine and the data: at most 4 MB, in fewer
-    bits or at a coarser level where they have to be. Of volumes beyond memory, and where the package was built without
+    bits or at a coarser level where they have to be; by WebGPU where the browser has it. Of volumes beyond memory, and where the package was built without
     the engine for browsers, the kernel renders drafts.
 
     Parameters
@@ -251,6 +251,9 @@ class Widget(anywidget.AnyWidget):
     def _begin_page(self, view: str, *, has_engine: bool) -> None:
         if self._engine == "auto":
             self._to_pages.begin(view, has_engine=has_engine)
+
+    def _hear_gpu(self, message: dict[str, Any]) -> None:
+        self._to_pages.begin_gpu(message["view"])
 
     def _hear_draws(self, message: dict[str, Any]) -> None:
         (self._drawing.add if message["value"] else self._drawing.discard)(message["view"])
