@@ -141,7 +141,7 @@ def test_a_size_that_was_too_slow_is_tried_again() -> None:
 
 
 def arrived(page: Page) -> tuple[dict[str, Any], bytes, bytes]:
-    """What a page needs to draw: facts, the engine, and the samples; or nothing, bindings and module of the GPU engine."""
+    """What a page needs to draw: facts, engine, and samples; or nothing, bindings and module of the GPU engine."""
     for _ in range(1000):
         last = [message for message in page.heard if "lengths" in message][-1:]
         bytes_there = b"".join(page.pieces)

@@ -42,8 +42,8 @@ class Widget(anywidget.AnyWidget):
     Drag turns, the wheel zooms, shift and drag moves, a double click resets; arrows, plus, minus and ``r`` do the
     same. At rest, the picture is that of ``scene.render()``. While something moves, drafts are shown. The page draws
     them by itself, also where the kernel is busy, as soon as it has the engine and the data: at most 4 MB, in fewer
-    bits or at a coarser level where they have to be; by WebGPU where the browser has it. Of volumes beyond memory, and where the package was built without
-    the engine for browsers, the kernel renders drafts.
+    bits or at a coarser level where they have to be; by WebGPU where the browser has it. Of volumes beyond memory, and
+    where the package was built without the engine for browsers, the kernel renders drafts.
 
     Parameters
     ----------
