@@ -65,6 +65,18 @@ function choice(label, names, value, set) {
   return { made: row(label, control), put: (next) => { control.value = next; } };
 }
 
+function checkbox(label, value, set) {
+  const control = element("input", { type: "checkbox", checked: value });
+  control.addEventListener("change", () => {
+    // What may not be changed stays.
+    if (!set(control.checked)) control.checked = !control.checked;
+  });
+  rows += 1;
+  control.id = `control-${rows}`;
+  const made = element("div", { className: "check" }, control, element("label", { htmlFor: control.id }, label));
+  return { made, put: (next) => { control.checked = next; } };
+}
+
 function button(text, act, attributes = {}) {
   const made = element("button", { type: "button", ...attributes }, text);
   made.addEventListener("click", act);
@@ -80,7 +92,7 @@ const KEYS = [
   ["Home", "as it was"],
   ["1 2, 3 4, 7 8, 9", "front, back, right, left, top, bottom, oblique"],
   ["[ ]", "less, more opaque"],
-  ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo (look and cut)"],
+  ["Ctrl+Z, Ctrl+Shift+Z", "undo, redo (items, look and cut)"],
   ["P", "save the picture"],
 ];
 
@@ -125,6 +137,15 @@ function buildPanel(view) {
   panel.append(element("h2", {}, "View"), element("div", { className: "buttons" },
     ...views.map(([text, name]) => button(text, () => view.look(name))),
     button("As it was", () => view.home())));
+  if (view.facts.items.length > 1) {
+    panel.append(element("h2", {}, "Items"));
+    view.facts.items.forEach(({ name }, index) => {
+      const shows = (visible) => view.setItem(index, "visible", visible) && (view.remember(), true);
+      const shown = checkbox(name, true, shows);
+      panel.append(shown.made);
+      parts.push((now) => shown.put(now.items[index].visible));
+    });
+  }
   const curves = [];
   if (!view.hasCurves) panel.append(element("p", {}, "The look is one of values and gradients: it cannot be changed here."));
   (view.hasCurves ? view.valued : []).forEach((facts, order) => {
@@ -163,6 +184,13 @@ function buildPanel(view) {
       maps.put(look.cmap || "");
       shapes.put(look.opacity || "");
     });
+  });
+  view.facts.items.forEach(({ name, opacity }, index) => {
+    if (opacity === null) return;
+    panel.append(element("h2", {}, view.facts.items.length > 1 ? `Look of ${name}` : "Look"));
+    const strength = slider("Opacity", [0, 1, opacity], spoken, (value) => view.setItem(index, "opacity", value), () => view.remember());
+    panel.append(strength.made);
+    parts.push((now) => strength.put(now.items[index].opacity));
   });
   panel.append(element("h2", {}, "Cut"));
   const { min, max } = view.facts.bounds;

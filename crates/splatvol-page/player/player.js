@@ -15,6 +15,11 @@ function copied(value) {
   return JSON.parse(JSON.stringify(value));
 }
 
+/** Keys of an item that can be changed beside its transfer function, and those of points only. */
+function ownKeys({ opacity }) {
+  return opacity === null ? { visible: true } : { visible: true, opacity };
+}
+
 /** The state of the page: the camera, the looks, the cut; and what is still to be told to the instances. */
 class View {
   constructor(facts, notes) {
@@ -33,7 +38,7 @@ class View {
     this.whole = [0, 1, 2].flatMap((i) => [min[i], max[i]]);
     // Points and Gaussians have no values, and so no look to be changed.
     this.valued = facts.items.flatMap(({ values }, index) => (values ? [{ index, ...values }] : []));
-    this.state = { looks: facts.items.map(() => ({})), box: this.own || this.whole };
+    this.state = { looks: facts.items.map(() => ({})), items: facts.items.map(ownKeys), box: this.own || this.whole };
     this.past = [copied(this.state)];
     this.at = 0;
     this.edits = new Map();
@@ -119,8 +124,24 @@ class View {
     this.edits.set(`look-${item}`, { do: "look", item, look: copied(this.state.looks[item]) });
   }
 
+  /** Changes a key of an item, unless none would be left in the picture; returns whether it did. */
+  setItem(item, key, value) {
+    const { items } = this.state;
+    if (key === "visible" && !value && items.every(({ visible }, index) => index === item || !visible)) return false;
+    items[item][key] = value;
+    this.tellItem(item);
+    this.frames.changed();
+    return true;
+  }
+
+  tellItem(item) {
+    const edits = Object.entries(this.state.items[item]).map(([key, value]) => ({ path: `item[${item}].${key}`, value }));
+    this.edits.set(`item-${item}`, { do: "edit", edits });
+  }
+
   tellAll() {
     this.valued.forEach(({ index }) => this.tellLook(index));
+    this.state.items.forEach((_, index) => this.tellItem(index));
     this.tellBox();
   }
 

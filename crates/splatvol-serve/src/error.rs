@@ -14,8 +14,8 @@ pub enum ServeError {
     #[error("a picture for a page has at most {0} pixels")]
     TooLarge(u64),
     /// A key that a page may not change.
-    #[error("a page changes no key but {0}")]
-    Fixed(&'static str),
+    #[error("a page changes no key but effects.clip-box, and visible and opacity of items")]
+    Fixed,
     /// A message that is not understood.
     #[error("the message is not understood: {0}")]
     Message(#[from] serde_json::Error),

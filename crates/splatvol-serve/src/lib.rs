@@ -51,8 +51,16 @@ const MOST_CONNECTIONS: usize = 128;
 const SLICE: Duration = Duration::from_millis(20);
 /// Most pixels of a picture.
 const MOST_PIXELS: u64 = 1 << 24;
-/// Keys that a page may change. Others may name files.
+/// Keys that a page may change, of the picture and of items. Others may name files.
 const KEYS: [&str; 1] = ["effects.clip-box"];
+const ITEM_KEYS: [&str; 2] = ["visible", "opacity"];
+
+/// Whether a page may change what is at a path: `effects.clip-box`, `item[0].visible`.
+fn may_change(path: &str) -> bool {
+    let of_item = path.strip_prefix("item[").and_then(|rest| rest.split_once("]."));
+    let is_of_item = |(index, key): (&str, &str)| index.parse::<usize>().is_ok() && ITEM_KEYS.contains(&key);
+    KEYS.contains(&path) || of_item.is_some_and(is_of_item)
+}
 
 /// What is served.
 #[derive(Debug)]
@@ -303,8 +311,8 @@ impl Shared {
                     }
                     shown.tiles(size, camera, share)?
                 }
-                Message::Edit { edits } if !edits.iter().all(|edit| KEYS.contains(&edit.path.as_str())) => {
-                    return Err(ServeError::Fixed(KEYS[0]));
+                Message::Edit { edits } if !edits.iter().all(|edit| may_change(&edit.path)) => {
+                    return Err(ServeError::Fixed);
                 }
                 change => return Ok(Some(shown.answer(change)?)),
             }

@@ -278,7 +278,7 @@ fn no_request_names_a_file() {
         let edit = serde_json::json!({ "do": "edit", "edits": [{ "path": path, "value": value }] });
         let (header, _) = running.ask(&edit);
         assert_eq!(
-            header["error"], "a page changes no key but effects.clip-box",
+            header["error"], "a page changes no key but effects.clip-box, and visible and opacity of items",
             "{path}"
         );
     }

@@ -112,6 +112,8 @@ pub struct ItemFacts {
     pub size: String,
     /// Unit of lengths, or nothing.
     pub unit: &'static str,
+    /// Opacity of points, 0..1; nothing of what has none of its own.
+    pub opacity: Option<f64>,
     /// Its values and their transfer function; nothing for points and Gaussians, which have neither.
     pub values: Option<ValueFacts>,
 }

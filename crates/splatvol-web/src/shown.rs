@@ -227,6 +227,10 @@ impl Shown {
                 Content::Volume { volume, .. } => volume.unit().symbol(),
                 _ => "",
             },
+            opacity: match &item.content {
+                Content::Points { look, .. } => Some(look.opacity),
+                _ => None,
+            },
             values: look.as_ref().and_then(|(look, _)| values_of(&item.content, look)),
         });
         Ok(Opened {

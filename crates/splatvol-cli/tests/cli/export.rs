@@ -285,6 +285,63 @@ fn opens_turns_and_asks_nobody(browser: &Browser) {
 }
 
 #[test]
+fn items_of_a_page_are_hidden_and_points_are_translucent() {
+    in_browsers([500, 700], changes_items);
+}
+
+/// Items by their boxes, and the opacity of points by its slider: the pictures are those of documents that say so.
+fn changes_items(browser: &Browser) {
+    let sandbox = Sandbox::new();
+    sandbox.write("ball.xyz", sphere(2000, [0.0; 3], Some([230, 60, 20])));
+    sandbox.write("lone.ply", gaussian([0.9, 0.7, 0.1]));
+    let view = "[camera]\nposition = [4, 3, 2]\ntarget = [0, 0, 0]\nfov = 40\n";
+    let scene = |ball: &str, lone: &str| {
+        format!("{view}[[item]]\nfile = \"ball.xyz\"\n{ball}[[item]]\nfile = \"lone.ply\"\n{lone}")
+    };
+    sandbox.write("both.toml", scene("", ""));
+    sandbox.run("export both.toml --size 120 -o both.html").succeeds();
+    browser.open(&sandbox.path("both.html"));
+    let shows = |ball: &str, lone: &str| {
+        sandbox.write("now.toml", scene(ball, lone));
+        sandbox.run("render now.toml --size 120 -o now.png -w").succeeds();
+        let shown = opaque(&browser.picture([120, 120]));
+        assert!(shown == png(&sandbox.path("now.png")).2, "{ball} {lone}");
+    };
+    let check = |index: usize| {
+        let click = format!("document.querySelectorAll('#controls input[type=checkbox]')[{index}].click()");
+        browser.promised(&click);
+    };
+    let (hidden, faint) = ("visible = false\n", "opacity = 0.4\n");
+    shows("", "");
+    check(1);
+    shows("", hidden);
+    // The last one stays.
+    check(0);
+    shows("", hidden);
+    assert_eq!(
+        browser.promised("document.querySelector('#controls input[type=checkbox]').checked"),
+        true
+    );
+    browser.promised(
+        "(() => { const labels = [...document.querySelectorAll('#controls label')]; \
+         const slider = document.getElementById(labels.find((made) => made.textContent === 'Opacity').htmlFor); \
+         slider.value = 0.4; slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); })()",
+    );
+    shows(faint, hidden);
+    check(1);
+    shows(faint, "");
+    let undo = "[...document.querySelectorAll('button')].find((made) => made.textContent === 'Undo').click()";
+    for (ball, lone) in [(faint, hidden), ("", hidden), ("", "")] {
+        browser.promised(undo);
+        shows(ball, lone);
+    }
+    assert_eq!(
+        browser.promised("document.getElementById('trouble').textContent"),
+        ""
+    );
+}
+
+#[test]
 fn a_page_shows_where_workers_are_blocked() {
     in_browsers([420, 800], shows_without_workers);
 }
