@@ -5,7 +5,8 @@
 //! within the volume, levels follow each other in depth instead (`by_depth`). Minified volumes
 //! are anti-aliased by their mips, and cost in proportion to their pixels. With a level bias of n octaves all widths are
 //! `2^n` times as large: drafts have an eighth of the voxels per octave. Voxels that are classified first have levels of
-//! their classes ([`ClassifiedMeans`]). Labels and analytic gradients have none: they are anti-aliased by the filter alone.
+//! their classes ([`ClassifiedMeans`]), and of the surfaces of labels. Analytic gradients have none: they are anti-aliased by the
+//! filter alone.
 
 mod by_depth;
 mod means;
@@ -25,7 +26,7 @@ use splatvol_scene::{
 };
 
 pub use by_depth::{LevelUntil, by_depth};
-pub use means::{Classes, ClassifiedMeans};
+pub use means::{Classes, ClassifiedMeans, Surfaces};
 
 use crate::shade_table::ShadeTable;
 
@@ -62,6 +63,17 @@ impl Wanted {
     }
 }
 
+/// How values are shown: what their classes are, and whether they are labels.
+#[derive(Debug, Clone, Copy)]
+pub struct VolumeLook<'a> {
+    /// Colours and opacities of values.
+    pub transfer_function: &'a TransferFunction,
+    /// World length to which its opacities refer.
+    pub unit_distance: f64,
+    /// Whether values are labels: light falls on the shape of each.
+    pub labels: bool,
+}
+
 /// A volume at one resolution.
 #[derive(Debug)]
 pub struct Level {
@@ -80,16 +92,30 @@ pub struct Level {
     /// Work of its last update.
     work: FieldWork,
     /// Cache key of all this.
-    made_for: (TransferFunction, f64, Wanted),
+    made_for: MadeFor,
+}
+
+/// What the data of a level are for.
+#[derive(Debug)]
+struct MadeFor {
+    transfer_function: TransferFunction,
+    unit_distance: f64,
+    labels: bool,
+    wanted: Wanted,
 }
 
 impl Level {
     fn new(
         source: SourceLevel,
         (kernel, prefilter): (Kernel, bool),
-        (transfer_function, unit_distance): (&TransferFunction, f64),
+        look: VolumeLook<'_>,
         (wanted, stop): (Wanted, &AtomicBool),
     ) -> Self {
+        let VolumeLook {
+            transfer_function,
+            unit_distance,
+            labels,
+        } = look;
         let range = source.value_range();
         let kernel = GaussianKernel::new(kernel);
         let field = match prefilter {
@@ -104,31 +130,36 @@ impl Level {
             means: None,
             hull: [f32::INFINITY; 2],
             work: FieldWork::default(),
-            made_for: (transfer_function.clone(), unit_distance, wanted),
+            made_for: MadeFor {
+                transfer_function: transfer_function.clone(),
+                unit_distance,
+                labels,
+                wanted,
+            },
         };
         level.find(stop);
         level
     }
 
-    fn update(
-        &mut self,
-        (transfer_function, unit_distance): (&TransferFunction, f64),
-        wanted: Wanted,
-        stop: &AtomicBool,
-    ) {
-        let (old, old_distance, old_wanted) = &mut self.made_for;
-        let same = old == transfer_function && *old_distance == unit_distance;
+    fn update(&mut self, look: VolumeLook<'_>, wanted: Wanted, stop: &AtomicBool) {
+        let VolumeLook {
+            transfer_function,
+            unit_distance,
+            labels,
+        } = look;
+        let old = &mut self.made_for;
+        let same = old.transfer_function == *transfer_function && old.unit_distance == unit_distance;
         self.work = FieldWork::default();
-        if same && *old_wanted == wanted {
+        if same && old.wanted == wanted && old.labels == labels {
             return;
         }
         if !same {
-            old.clone_from(transfer_function);
-            *old_distance = unit_distance;
+            old.transfer_function.clone_from(transfer_function);
+            old.unit_distance = unit_distance;
             let range = self.field.source().value_range();
             self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
         }
-        *old_wanted = wanted;
+        (old.wanted, old.labels) = (wanted, labels);
         self.means = None;
         self.find(stop);
     }
@@ -142,7 +173,7 @@ impl Level {
     /// Where bricks are solved when they are opened, leaves those that a picture needs, given their first lattice
     /// points.
     pub fn restrict(&mut self, keep: &(dyn Fn([u32; 3]) -> bool + Sync)) {
-        let (_, _, wanted) = self.made_for;
+        let wanted = self.made_for.wanted;
         if wanted == Wanted::Classified {
             let visible = VisibleLevels::new(&self.classification);
             self.field.visible_bricks(&visible, &mut self.visible);
@@ -157,7 +188,7 @@ impl Level {
     fn find(&mut self, stop: &AtomicBool) {
         let visible = VisibleLevels::new(&self.classification);
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
-        let (_, _, wanted) = self.made_for;
+        let wanted = self.made_for.wanted;
         if wanted == Wanted::Classified {
             self.field.visible_bricks(&visible, &mut self.visible);
         } else {
@@ -303,14 +334,14 @@ impl Pyramid {
         Ok(self.source(level)?.grid().clone())
     }
 
-    /// A level, updated for a transfer function with its unit distance.
+    /// A level, updated for a look.
     ///
     /// # Errors
     /// `stop`, set meanwhile, and samples that cannot be read; the level is forgotten then, for it may be half done.
     pub fn classify(
         &mut self,
         level: usize,
-        look: (&TransferFunction, f64),
+        look: VolumeLook<'_>,
         wanted: Wanted,
         stop: &AtomicBool,
     ) -> Result<&mut Level, SceneError> {
@@ -321,7 +352,7 @@ impl Pyramid {
             }
             self.own_level(finest, look, wanted, stop)?;
             self.own_level(level, look, wanted, stop)?;
-            self.average(finest, level, stop)?;
+            self.average((finest, level), look.labels, stop)?;
             return self.levels[level].as_mut().ok_or(SceneError::Stopped);
         }
         self.own_level(level, look, wanted, stop)
@@ -334,7 +365,7 @@ impl Pyramid {
     pub fn classify_all<const N: usize>(
         &mut self,
         first: usize,
-        look: (&TransferFunction, f64),
+        look: VolumeLook<'_>,
         wanted: Wanted,
         stop: &AtomicBool,
     ) -> Result<[&mut Level; N], SceneError> {
@@ -357,23 +388,28 @@ impl Pyramid {
     }
 
     /// Replaces the classes of a level's samples by means of those of another, unless that was done before.
-    fn average(&mut self, finest: usize, level: usize, stop: &AtomicBool) -> Result<(), SceneError> {
+    fn average(
+        &mut self,
+        (finest, level): (usize, usize),
+        labels: bool,
+        stop: &AtomicBool,
+    ) -> Result<(), SceneError> {
         let (finer, coarser) = self.levels.split_at_mut(level);
         if let (Some(finest), Some(level)) = (&finer[finest], &mut coarser[0])
             && level.means.is_none()
         {
-            let (visible, means) = ClassifiedMeans::new(finest, &level.field, stop)?;
+            let (visible, means) = ClassifiedMeans::new(finest, &level.field, (labels, stop))?;
             level.visible = visible;
             level.means = Some(means);
         }
         Ok(())
     }
 
-    /// A level of its own samples, updated for a transfer function with its unit distance.
+    /// A level of its own samples, updated for a look.
     fn own_level(
         &mut self,
         level: usize,
-        look: (&TransferFunction, f64),
+        look: VolumeLook<'_>,
         wanted: Wanted,
         stop: &AtomicBool,
     ) -> Result<&mut Level, SceneError> {

@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DAffine3;
+use splatvol_core::level::VolumeLook;
 use splatvol_core::scene_cloud::{self, is_post_classified};
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
@@ -109,6 +110,15 @@ impl VolumeScene<'_> {
     /// Settings for this volume: label maps are classified before they are splatted.
     pub(crate) fn settings(&self, settings: &RenderSettings<SheetSettings>) -> RenderSettings<SheetSettings> {
         settings.with(settings.method.of_labels(self.labels))
+    }
+
+    /// How its values are shown.
+    pub(crate) fn look(&self) -> VolumeLook<'_> {
+        VolumeLook {
+            transfer_function: &self.transfer_function,
+            unit_distance: self.unit_distance(),
+            labels: self.labels,
+        }
     }
 
     /// World length to which the transfer function's opacities refer.

@@ -6,6 +6,8 @@
 @group(0) @binding(4) var samples: texture_3d<f32>;
 // Classes of its voxels, where they are not those of its samples.
 @group(0) @binding(5) var means: texture_3d<f32>;
+// Surfaces of labels where classes are means: differences per voxel, and the share of the voxel.
+@group(0) @binding(8) var surfaces: texture_3d<f32>;
 @group(0) @binding(7) var classes: texture_storage_2d_array<r32float, write>;
 
 override TAPS: i32 = 4;
@@ -45,6 +47,19 @@ fn difference(at: vec3<i32>, axis: vec3<i32>, own: f32) -> f32 {
     return per_voxel * (beside(at + axis, own) - beside(at - axis, own));
 }
 
+// Differences per voxel, and the share of the voxel on which light falls.
+fn surface_at(at: vec3<i32>, own: f32) -> vec4<f32> {
+    if FROM_MEANS && LABELS {
+        return textureLoad(surfaces, at, 0);
+    }
+    return vec4(
+        difference(at, vec3(1, 0, 0), own),
+        difference(at, vec3(0, 1, 0), own),
+        difference(at, vec3(0, 0, 1), own),
+        1.0,
+    );
+}
+
 fn classify_at(at: vec3<i32>, value: f32) -> vec4<f32> {
     var material = vec4(0.0);
     if FROM_MEANS {
@@ -57,10 +72,9 @@ fn classify_at(at: vec3<i32>, value: f32) -> vec4<f32> {
         return vec4(0.0);
     }
     if frame.lit != 0u {
-        let x = difference(at, vec3(1, 0, 0), value);
-        let y = difference(at, vec3(0, 1, 0), value);
-        let z = difference(at, vec3(0, 0, 1), value);
-        let light = phong(frame.gradient_from_lattice * vec3(x, y, z));
+        let surface = surface_at(at, value);
+        let full = phong(frame.gradient_from_lattice * surface.xyz);
+        let light = mix(vec2(1.0, 0.0), full, surface.w);
         material = vec4(material.x, material.yzw * light.x + light.y * material.x);
     }
     return material;

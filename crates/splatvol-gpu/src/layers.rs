@@ -302,7 +302,7 @@ fn classify<'p>(
     let pyramids = prepared.of_scene(shown.iter().map(|own| &own.volume), &main.settings);
     let mut classified: Vec<&Level> = Vec::with_capacity(shown.len());
     for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {
-        let look = (own.transfer_function, own.unit_distance);
+        let look = own.look();
         let level = pyramid.classify(level, look, Wanted::of(&own.settings), task.stop)?;
         count(own, level, statistics);
         classified.push(level);

@@ -4,7 +4,7 @@ use std::sync::{Arc, Weak};
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::engine::Shot;
-use splatvol_core::level::{Detail, Wanted};
+use splatvol_core::level::{Detail, VolumeLook, Wanted};
 use splatvol_core::plan::Sampling;
 use splatvol_core::scene_cloud;
 use splatvol_core::shade_table::ShadeTable;
@@ -104,12 +104,22 @@ pub(crate) struct Shown<'a> {
 }
 
 impl Shown<'_> {
+    /// How its values are shown.
+    pub(crate) fn look(&self) -> VolumeLook<'_> {
+        VolumeLook {
+            transfer_function: self.transfer_function,
+            unit_distance: self.unit_distance,
+            labels: self.labels,
+        }
+    }
+
     pub(crate) fn key(&self, level: usize) -> Key {
         Key {
             level,
             volume: Arc::downgrade(&self.volume),
             transfer_function: self.transfer_function.clone(),
             unit_distance: self.unit_distance,
+            labels: self.labels,
             kernel: self.settings.method.kernel,
             prefilter: self.settings.method.prefilter,
             wanted: Wanted::of(&self.settings),
@@ -134,11 +144,9 @@ impl Shown<'_> {
         Mode::of(Wanted::of(&self.settings), &self.settings.method, &self.effects)
     }
 
-    /// Whether it has levels of detail. Labels are lit by their own shapes, analytic gradients show the field as it is: both
-    /// have none.
+    /// Whether it has levels of detail. Analytic gradients show the field as it is, and have none.
     pub(crate) fn has_levels(&self) -> bool {
-        let is_exact = self.settings.method.gradient == Gradient::Analytic;
-        !self.labels && (self.mode().splats_classes() || !is_exact)
+        self.mode().splats_classes() || self.settings.method.gradient != Gradient::Analytic
     }
 
     /// Its level of detail.
@@ -169,6 +177,7 @@ pub(crate) struct Key {
     pub volume: Weak<Volume>,
     transfer_function: TransferFunction,
     unit_distance: f64,
+    labels: bool,
     kernel: SheetKernel,
     prefilter: bool,
     wanted: Wanted,
@@ -190,5 +199,6 @@ impl Key {
             && self.kernel == other.kernel
             && self.prefilter == other.prefilter
             && self.wanted == other.wanted
+            && self.labels == other.labels
     }
 }

@@ -72,6 +72,7 @@ pub(crate) struct Voxels {
     samples: wgpu::TextureView,
     means: wgpu::TextureView,
     has_means: bool,
+    surfaces: wgpu::TextureView,
     classes: wgpu::TextureView,
     resident: wgpu::Buffer,
     slots: u32,
@@ -100,15 +101,20 @@ impl Voxels {
                 atlas.layout.capacity()
             )));
         }
-        let means = match &level.means {
-            Some(means) => self::means(gpu, level, means)?,
-            None => gpu.scoped(|gpu| volume_texture(gpu, [1; 3], wgpu::TextureFormat::Rgba32Float))?,
+        let empty = || gpu.scoped(|gpu| volume_texture(gpu, [1; 3], wgpu::TextureFormat::Rgba32Float));
+        let [means, surfaces] = match &level.means {
+            Some(of) => [
+                means(gpu, level, of)?,
+                surfaces(gpu, level, of)?.map_or_else(empty, Ok)?,
+            ],
+            None => [empty()?, empty()?],
         };
         let resident = gpu.scoped(|gpu| gpu.buffer_of("resident", &atlas.layout.needed))?;
         let voxels = Self {
             samples: samples.create_view(&wgpu::TextureViewDescriptor::default()),
             means: means.create_view(&wgpu::TextureViewDescriptor::default()),
             has_means: level.means.is_some(),
+            surfaces: surfaces.create_view(&wgpu::TextureViewDescriptor::default()),
             classes: atlas.view.clone(),
             resident,
             slots: atlas.layout.needed.len() as u32,
@@ -146,6 +152,7 @@ impl Voxels {
             texture(5, &self.means),
             whole(6, table),
             texture(7, &self.classes),
+            texture(8, &self.surfaces),
             whole(9, effects),
         ];
         pass.dispatch(gpu, commands, &bindings, groups);
@@ -202,6 +209,28 @@ fn means(gpu: &GpuDevice, level: &Level, means: &ClassifiedMeans) -> Result<wgpu
         }
     };
     filled(gpu, &level.field, wgpu::TextureFormat::Rgba32Float, read)
+}
+
+/// Surfaces of a level's labels, where classes are means; nothing of other values.
+fn surfaces(
+    gpu: &GpuDevice,
+    level: &Level,
+    means: &ClassifiedMeans,
+) -> Result<Option<wgpu::Texture>, SceneError> {
+    if !means.are_of_labels() {
+        return Ok(None);
+    }
+    let read = |brick: u32, put: &mut dyn FnMut(usize, [f32; 4])| {
+        let Ok(at) = level.visible.binary_search(&brick) else {
+            return;
+        };
+        let mut surfaces = [[0.0; 4]; BRICK_VOXELS];
+        means.decode_surfaces(at, &mut surfaces);
+        for (voxel, surface) in surfaces.into_iter().enumerate() {
+            put(voxel, surface);
+        }
+    };
+    filled(gpu, &level.field, wgpu::TextureFormat::Rgba32Float, read).map(Some)
 }
 
 /// A texture of a level's grid; `read` puts the voxels of a brick.

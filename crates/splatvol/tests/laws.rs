@@ -5,7 +5,9 @@
 
 mod common;
 
-use common::{PROJECTIONS, modes, orthographic, perspective, render, settings, unfiltered, world_ray};
+use common::{
+    PROJECTIONS, crossing, modes, orthographic, perspective, render, settings, unfiltered, world_ray,
+};
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
     Camera, Classification, ColorPoint, Compositing, FlatSettings, Grid, LengthUnit, OpacityPoint,
@@ -14,30 +16,6 @@ use splatvol::{
 use splatvol_testing::fields::{Constant, Noise};
 use splatvol_testing::transfer::{constant_extinction, linear_extinction};
 use splatvol_testing::{Field, Random, checked, sample};
-
-/// Depths where a ray enters and leaves the box of a unit-spaced grid, voxel space, and how far both points are from
-/// the other faces.
-fn crossing(grid: &Grid, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
-    let voxel_from_world = grid.world_from_voxel().inverse();
-    let (p, d) = (
-        voxel_from_world.transform_point3(origin),
-        voxel_from_world.transform_vector3(direction),
-    );
-    let (low, high) = (
-        DVec3::splat(-0.5),
-        DVec3::from_array(grid.dims().map(|n| n as f64 - 0.5)),
-    );
-    let (a, b) = ((low - p) / d, (high - p) / d);
-    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
-    let clear = |t: f64| {
-        let at = p + t * d;
-        let mut distances = (at - low).min(high - at).to_array();
-        distances.sort_by(f64::total_cmp);
-        // The nearest face is the one crossed; the ray must keep clear of all others.
-        distances[1]
-    };
-    (enter < leave).then(|| (leave - enter, clear(enter).min(clear(leave))))
-}
 
 #[test]
 fn a_constant_field_has_constant_optical_depth_per_length_in_every_view() {

@@ -2,7 +2,10 @@
 //!
 //! `c_j = sum_i w_ij c(f_i)`, c extinction and emission, `w_ij` the share of voxel j that voxel i of the finest level fills. So a
 //! ray's optical depth stays what it was, whatever the transfer function: classes of means would lose what is thinner
-//! than a voxel. Missing samples are empty. Classes are kept in 16 bits, relative to the largest of their brick.
+//! than a voxel. Missing samples are empty. Classes are kept in 16 bits, relative to the largest of their brick. Labels have
+//! surfaces beside them (`labels`), on which light falls.
+
+mod labels;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,6 +19,8 @@ use crate::classification::ClassificationTable;
 use crate::field::{FieldStore, SourceLevel};
 use crate::mip::Cover;
 use crate::visibility::BRICK_VOXELS;
+pub use labels::Surfaces;
+use labels::{BrickSurfaces, StoredSurfaces};
 
 /// Extinction and emission of a brick's voxels, x fastest.
 pub type Classes = [[f32; 4]; BRICK_VOXELS];
@@ -24,6 +29,8 @@ pub type Classes = [[f32; 4]; BRICK_VOXELS];
 #[derive(Debug, Default)]
 pub struct ClassifiedMeans {
     bricks: Vec<StoredClasses>,
+    /// Of labels, those in the same bricks.
+    surfaces: Option<StoredSurfaces>,
 }
 
 /// A brick's classes in steps of 1/65535 of its largest.
@@ -55,30 +62,52 @@ impl StoredClasses {
 }
 
 impl ClassifiedMeans {
-    /// Means on the grid of `field` of the finest level's classes; the bricks with extinction, ascending.
+    /// Means on the grid of `field` of the finest level's classes; the bricks with extinction, ascending. Of labels with
+    /// their surfaces.
     ///
     /// # Errors
     /// `stop`, set meanwhile, and samples that cannot be read.
     pub(super) fn new(
         finest: &Level,
         field: &FieldStore,
-        stop: &AtomicBool,
+        (labels, stop): (bool, &AtomicBool),
     ) -> Result<(Vec<u32>, Self), SceneError> {
         let means = Means::new(finest, field);
-        let found: Vec<(u32, StoredClasses)> = (0..means.count)
+        let found: Vec<(u32, (StoredClasses, Option<BrickSurfaces>))> = (0..means.count)
             .into_par_iter()
             .map(|brick| {
                 if stop.load(Ordering::Relaxed) {
                     return Err(SceneError::Stopped);
                 }
-                let classes = means.brick(field.brick_first(brick))?;
-                let stored = classes.and_then(|classes| StoredClasses::new(&classes));
-                Ok(stored.map(|stored| (brick, stored)))
+                let first = field.brick_first(brick);
+                let classes = means.brick(first)?;
+                let Some(stored) = classes.and_then(|classes| StoredClasses::new(&classes)) else {
+                    return Ok(None);
+                };
+                let surfaces = labels.then(|| means.surfaces(first)).transpose()?;
+                Ok(Some((brick, (stored, surfaces))))
             })
             .filter_map(Result::transpose)
             .collect::<Result<_, _>>()?;
-        let (visible, bricks) = found.into_iter().unzip();
-        Ok((visible, Self { bricks }))
+        let (visible, made): (_, Vec<_>) = found.into_iter().unzip();
+        let (bricks, surfaces): (_, Vec<_>) = made.into_iter().unzip();
+        let surfaces = labels.then(|| StoredSurfaces::new(surfaces.into_iter().flatten(), &means));
+        Ok((visible, Self { bricks, surfaces }))
+    }
+
+    /// Whether these are classes of labels, on whose surfaces light falls.
+    pub fn are_of_labels(&self) -> bool {
+        self.surfaces.is_some()
+    }
+
+    /// Surfaces of labels in the n-th visible brick: their mean gradient, differences per voxel of the level, and their share
+    /// of its extinction. `false` without labels.
+    pub fn decode_surfaces(&self, n: usize, out: &mut Surfaces) -> bool {
+        let Some(surfaces) = &self.surfaces else {
+            return false;
+        };
+        surfaces.decode(n, out);
+        true
     }
 
     /// Classes of the n-th visible brick.
@@ -91,7 +120,8 @@ impl ClassifiedMeans {
 
     /// Memory held, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.bricks.capacity() * size_of::<StoredClasses>()
+        let surfaces = self.surfaces.as_ref().map_or(0, StoredSurfaces::bytes);
+        self.bricks.capacity() * size_of::<StoredClasses>() + surfaces
     }
 }
 
@@ -141,22 +171,9 @@ impl<'a> Means<'a> {
 
     /// Mean classes of a brick's voxels; `None` where nothing is visible.
     fn brick(&self, first: [u32; 3]) -> Result<Option<Box<Classes>>, SceneError> {
-        // The level's voxels of the brick.
-        let voxels: [[usize; 2]; 3] = std::array::from_fn(|a| {
-            let (from, margin) = (first[a] as usize, self.margins[1][a]);
-            let count = self.cover[a].len();
-            [from, from + BRICK].map(|point| point.clamp(margin, margin + count) - margin)
-        });
-        if voxels.iter().any(|[from, to]| from == to) {
+        let Some(covered) = self.covered(first).filter(|&covered| self.any_visible(covered)) else {
             return Ok(None);
-        }
-        let covered: [[usize; 2]; 3] = std::array::from_fn(|a| {
-            let [from, to] = voxels[a];
-            [self.cover[a][from].range()[0], self.cover[a][to - 1].range()[1]]
-        });
-        if !self.any_visible(covered) {
-            return Ok(None);
-        }
+        };
         let region = VoxelBox {
             first: covered.map(|[from, _]| from),
             size: covered.map(|[from, to]| to - from),
@@ -165,16 +182,47 @@ impl<'a> Means<'a> {
         let block = self.source.read(region, &mut memory)?;
         let mut classes = Box::new([[0.0; 4]; BRICK_VOXELS]);
         for (place, class) in classes.iter_mut().enumerate() {
-            let at = [place % BRICK, place / BRICK % BRICK, place / (BRICK * BRICK)];
-            let voxel: [Option<usize>; 3] = std::array::from_fn(|a| {
-                let voxel = (first[a] as usize + at[a]).checked_sub(self.margins[1][a]);
-                voxel.filter(|&voxel| voxel < self.cover[a].len())
-            });
-            if let [Some(x), Some(y), Some(z)] = voxel {
-                *class = self.mean(&block, [&self.cover[0][x], &self.cover[1][y], &self.cover[2][z]]);
+            if let Some(covers) = self.covers(first, place) {
+                *class = self.mean(&block, covers);
             }
         }
         Ok(Some(classes))
+    }
+
+    /// First and past-the-last of the finest samples that a brick's voxels cover, along x, y, z.
+    fn covered(&self, first: [u32; 3]) -> Option<[[usize; 2]; 3]> {
+        // The level's voxels of the brick.
+        let voxels: [[usize; 2]; 3] = std::array::from_fn(|a| {
+            let (from, margin) = (first[a] as usize, self.margins[1][a]);
+            let count = self.cover[a].len();
+            [from, from + BRICK].map(|point| point.clamp(margin, margin + count) - margin)
+        });
+        let is_empty = voxels.iter().any(|[from, to]| from == to);
+        (!is_empty).then(|| {
+            std::array::from_fn(|a| {
+                let [from, to] = voxels[a];
+                [self.cover[a][from].range()[0], self.cover[a][to - 1].range()[1]]
+            })
+        })
+    }
+
+    /// What a voxel of a brick covers; nothing beyond the volume.
+    fn covers(&self, first: [u32; 3], place: usize) -> Option<[&Cover; 3]> {
+        let at = [place % BRICK, place / BRICK % BRICK, place / (BRICK * BRICK)];
+        let cover = |a: usize| {
+            let voxel = (first[a] as usize + at[a]).checked_sub(self.margins[1][a])?;
+            self.cover[a].get(voxel)
+        };
+        Some([cover(0)?, cover(1)?, cover(2)?])
+    }
+
+    /// Class of a stored sample, unless it is invisible or missing.
+    fn class(&self, sample: f64) -> Option<[f32; 4]> {
+        let [factor, offset] = self.normalised;
+        let [low, high] = self.hull;
+        let value = (sample * factor + offset) as f32;
+        // False where the sample is missing.
+        (value >= low && value <= high).then(|| self.table.at(value))
     }
 
     /// Whether one of the finest bricks that hold these voxels is visible.
@@ -194,8 +242,6 @@ impl<'a> Means<'a> {
 
     /// Mean class of the samples that one voxel covers.
     fn mean(&self, block: &Block<'_>, [xs, ys, zs]: [&Cover; 3]) -> [f32; 4] {
-        let [factor, offset] = self.normalised;
-        let [low, high] = self.hull;
         let [from, to] = xs.range();
         let mut sum = [0.0f32; 4];
         for (z, of_z) in zs.taps() {
@@ -203,10 +249,7 @@ impl<'a> Means<'a> {
                 with_samples!(block.samples, data => {
                     let row = &block.of.row(data, [y, z])[from - block.of.first[0]..to - block.of.first[0]];
                     for (&sample, (_, of_x)) in row.iter().zip(xs.taps()) {
-                        let value = (widen(sample) * factor + offset) as f32;
-                        // False where the sample is missing.
-                        if value >= low && value <= high {
-                            let class = self.table.at(value);
+                        if let Some(class) = self.class(widen(sample)) {
                             let weight = of_x * of_y * of_z;
                             sum = std::array::from_fn(|c| sum[c] + weight * class[c]);
                         }
@@ -224,12 +267,12 @@ mod tests {
 
     use glam::DVec3;
     use splatvol_scene::{
-        Classification, ColorPoint, Grid, LengthUnit, OpacityPoint, RenderSettings, Rescale, Samples,
+        Classification, ColorPoint, Grid, Label, LengthUnit, OpacityPoint, RenderSettings, Rescale, Samples,
         SheetSettings, Shows, TransferFunction, Volume,
     };
     use splatvol_testing::random::Random;
 
-    use super::super::{Pyramid, Wanted};
+    use super::super::{Pyramid, VolumeLook, Wanted};
     use super::*;
 
     /// A look that sees one narrow range of values, in colour.
@@ -241,6 +284,75 @@ mod tests {
             ColorPoint::new(110.0, [0.1, 0.3, 1.0]),
         ];
         TransferFunction::new(colors, opacity.to_vec(), Some(1.0)).unwrap()
+    }
+
+    #[test]
+    fn surfaces_of_labels_are_those_of_the_finest_samples() {
+        // Two labels that face each other along x, and nothing beyond; y and z run to the volume's faces.
+        let label = |i: usize| [4u8, 4, 4, 4, 4, 4, 9, 9, 9, 9, 9, 0, 0, 0, 0, 0][i % 16];
+        let samples = Samples::U8((0..16 * 16 * 16).map(label).collect::<Vec<_>>().into());
+        let grid = Grid::centred([16; 3], DVec3::ONE).unwrap();
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let settings = RenderSettings::default().with(SheetSettings {
+            shows: Shows::Material(Classification::Pre),
+            ..SheetSettings::default()
+        });
+        let mut pyramid = Pyramid::new(Arc::new(volume), &settings);
+        let names = [(0.0, 0.0), (4.0, 0.5), (9.0, 0.8)];
+        let names = names.map(|(value, opacity)| Label {
+            value,
+            rgb: [1.0; 3],
+            opacity,
+        });
+        let transfer_function = TransferFunction::of_labels(&names, Some(1.0)).unwrap();
+        let look = VolumeLook {
+            transfer_function: &transfer_function,
+            unit_distance: 1.0,
+            labels: true,
+        };
+        let stop = AtomicBool::new(false);
+        // Gradient along x per voxel, and share of surface, of the voxels along x. At a face both neighbours count by their
+        // own label: the last 4 sees a 9 behind, the first 9 a 4 before it.
+        let expected: [&[[f32; 2]]; 2] = [
+            &[
+                [0.0; 2],
+                [0.0; 2],
+                [-1.0, 0.5],
+                [1.0, 0.5],
+                [0.0; 2],
+                [-1.0, 1.0],
+                [0.0; 2],
+                [0.0; 2],
+            ],
+            // Of the second voxel two samples are a 4 and two a 9: a surface each, whose gradients oppose each other by their
+            // extinctions.
+            &[[0.0; 2], [0.795_9, 0.5], [-2.0, 1.0 / 3.0], [0.0; 2]],
+        ];
+        for (level, expected) in (1..).zip(expected) {
+            let level = pyramid.classify(level, look, Wanted::Classified, &stop).unwrap();
+            let means = level.means.as_ref().unwrap();
+            assert!(means.are_of_labels());
+            let margin = level.field.margin();
+            let dims = level.field.dims().map(|n| n.div_ceil(BRICK));
+            let mut surfaces = [[0.0; 4]; BRICK_VOXELS];
+            for (x, [gradient, share]) in expected.iter().enumerate() {
+                let point = [x + margin[0], margin[1] + 1, margin[2] + 1];
+                let [bx, by, bz] = point.map(|at| at / BRICK);
+                let brick = (bz * dims[1] + by) * dims[0] + bx;
+                let found = match level.visible.binary_search(&(brick as u32)) {
+                    Ok(n) => {
+                        assert!(means.decode_surfaces(n, &mut surfaces));
+                        let [x, y, z] = point.map(|at| at % BRICK);
+                        surfaces[(z * BRICK + y) * BRICK + x]
+                    }
+                    Err(_) => [0.0; 4],
+                };
+                let wanted = [*gradient, 0.0, 0.0, *share];
+                for c in 0..4 {
+                    assert!((found[c] - wanted[c]).abs() < 2e-3, "{x}: {found:?} {wanted:?}");
+                }
+            }
+        }
     }
 
     #[test]
@@ -275,7 +387,16 @@ mod tests {
                 });
             for level in 1..4 {
                 let level = pyramid
-                    .classify(level, (&look, 1.0), Wanted::Classified, &stop)
+                    .classify(
+                        level,
+                        VolumeLook {
+                            transfer_function: &look,
+                            unit_distance: 1.0,
+                            labels: false,
+                        },
+                        Wanted::Classified,
+                        &stop,
+                    )
                     .unwrap();
                 let covered = count as f64 / level.field.source().grid().sample_count() as f64;
                 let means = level.means.as_ref().unwrap();

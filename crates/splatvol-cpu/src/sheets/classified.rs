@@ -8,7 +8,7 @@ use glam::DMat3;
 use splatvol_core::brick::BRICK;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::{FieldStore, Neighbourhood};
-use splatvol_core::level::{Classes, ClassifiedMeans, Level};
+use splatvol_core::level::{Classes, ClassifiedMeans, Level, Surfaces};
 use splatvol_core::plan::Bricks;
 use splatvol_core::visibility::BRICK_VOXELS;
 
@@ -28,13 +28,19 @@ pub(crate) struct ClassifiedVoxels {
     means: MeanClasses,
 }
 
-/// Mean classes of a brick, not lit.
+/// Mean classes of a brick, not lit, and of labels their surfaces.
 #[derive(Debug)]
-struct MeanClasses(Classes);
+struct MeanClasses {
+    classes: Classes,
+    surfaces: Surfaces,
+}
 
 impl Default for MeanClasses {
     fn default() -> Self {
-        Self([[0.0; 4]; BRICK_VOXELS])
+        Self {
+            classes: [[0.0; 4]; BRICK_VOXELS],
+            surfaces: [[0.0; 4]; BRICK_VOXELS],
+        }
     }
 }
 
@@ -147,20 +153,28 @@ impl<'a> ClassifiedBricks<'a> {
         if voxels.len() <= index {
             voxels.resize(index + 1, [[0.0; 4]; BRICK_VOXELS]);
         }
-        if self.means.is_none() || self.light.is_some() {
+        let light = self.light.as_ref();
+        let have_surfaces = light.is_some()
+            && self
+                .means
+                .is_some_and(|of| of.decode_surfaces(brick, &mut means.surfaces));
+        if self.means.is_none() || (light.is_some() && !have_surfaces) {
             self.field.read(self.bricks[brick], around);
         }
         match self.means {
             Some(of) => {
-                of.decode(brick, &mut means.0);
-                find_means(&means.0, pairs);
+                of.decode(brick, &mut means.classes);
+                find_means(&means.classes, pairs);
             }
             None => self.find(simd, around, pairs),
         }
-        if let Some(light) = &self.light {
+        if let Some(light) = light {
             for (i, pair) in pairs.iter_mut().enumerate() {
                 if pair.visible != 0 {
-                    let (diffuse, specular) = light.on(simd, around, place_of(i));
+                    let (diffuse, specular) = match have_surfaces {
+                        true => light.on_share(simd, &means.surfaces.as_chunks::<16>().0[i]),
+                        false => light.on(simd, light.difference(simd, around, place_of(i))),
+                    };
                     diffuse.store_slice(&mut pair.light[0].0);
                     specular.store_slice(&mut pair.light[1].0);
                 }
@@ -170,7 +184,7 @@ impl<'a> ClassifiedBricks<'a> {
         let voxels = &mut voxels[index];
         match self.means {
             Some(_) => light_voxels(simd, (pairs, handle), values, voxels, |voxel, _| {
-                f32x4::from_slice(simd, &means.0[voxel])
+                f32x4::from_slice(simd, &means.classes[voxel])
             }),
             None => light_voxels(simd, (pairs, handle), values, voxels, |_, value| {
                 let ([a, b], t) = self.table.around(value);
@@ -263,9 +277,9 @@ fn rows<S: Simd>(simd: S, around: &Neighbourhood, [x, y, z]: [usize; 3]) -> f32x
 }
 
 impl VoxelLight {
-    /// Diffuse and specular factors of two rows of a brick's voxels.
+    /// Differences per voxel of two rows of a brick's voxels.
     #[inline(always)]
-    fn on<S: Simd>(&self, simd: S, around: &Neighbourhood, [y, z]: [usize; 2]) -> (f32x16<S>, f32x16<S>) {
+    fn difference<S: Simd>(&self, simd: S, around: &Neighbourhood, [y, z]: [usize; 2]) -> [f32x16<S>; 3] {
         let [per_x, per_y, per_z] = &around.per_difference;
         let per_x = f32x8::from_slice(simd, per_x);
         let per_y = f32x8::splat(simd, per_y[y]).combine(f32x8::splat(simd, per_y[y + 1]));
@@ -288,6 +302,30 @@ impl VoxelLight {
         let dx = (value([px + 1, py, pz]) - value([px - 1, py, pz])) * per_x.combine(per_x);
         let dy = (value([px, py + 1, pz]) - value([px, py - 1, pz])) * per_y;
         let dz = (value([px, py, pz + 1]) - value([px, py, pz - 1])) * per_z[z];
+        [dx, dy, dz]
+    }
+
+    /// Diffuse and specular factors of voxels that have surfaces in them, as [`ClassifiedMeans::decode_surfaces`] has them.
+    #[inline(always)]
+    fn on_share<S: Simd>(&self, simd: S, surfaces: &[[f32; 4]; 16]) -> (f32x16<S>, f32x16<S>) {
+        let mut lanes = [[0.0; 16]; 4];
+        for (lane, surface) in surfaces.iter().enumerate() {
+            for c in 0..4 {
+                lanes[c][lane] = surface[c];
+            }
+        }
+        let mut columns = [f32x16::splat(simd, 0.0); 4];
+        for c in 0..4 {
+            columns[c] = f32x16::simd_from(simd, lanes[c]);
+        }
+        let [dx, dy, dz, share] = columns;
+        let (diffuse, specular) = self.on(simd, [dx, dy, dz]);
+        ((diffuse - 1.0) * share + 1.0, specular * share)
+    }
+
+    /// Diffuse and specular factors of two rows of a brick's voxels.
+    #[inline(always)]
+    fn on<S: Simd>(&self, simd: S, [dx, dy, dz]: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
         let [a, b, c] = self.camera_from_voxel;
         self.phong.lanes(
             simd,

@@ -92,7 +92,7 @@ impl SheetEngine {
             levels: N,
         };
         let room = Room::of_picture((&scene.volume, numbers.clone()), pyramid, needs, wanted)?;
-        let look = (&*scene.transfer_function, scene.unit_distance());
+        let look = scene.look();
         let mut levels: [_; N] = pyramid.classify_all(first, look, wanted, run.task.stop)?;
         let sampling = sampling(settings);
         let own;

@@ -19,19 +19,20 @@ use crate::run::{Pass, Run};
 /// A camera, and how it looks.
 type Shot<'a> = (&'a Camera, &'a RenderSettings<SheetSettings>);
 
-/// Level of detail of a volume. Labels are lit by their own shapes, and analytic gradients show the field as it is: both
-/// have none.
-pub(super) fn detail((volume, labels): (&Volume, bool), (camera, settings): Shot<'_>) -> Detail {
-    if has_levels(labels, settings) {
-        Detail::new(volume, camera, (settings.size, settings.method.level_bias))
-    } else {
-        Detail::FINEST
+/// Level of detail of a volume.
+pub(super) fn detail(volume: (&Volume, bool), (camera, settings): Shot<'_>) -> Detail {
+    match has_levels(volume, settings) {
+        true => Detail::new(volume.0, camera, (settings.size, settings.method.level_bias)),
+        false => Detail::FINEST,
     }
 }
 
-fn has_levels(labels: bool, settings: &RenderSettings<SheetSettings>) -> bool {
-    let exact = Wanted::of(settings) != Wanted::Classified && settings.method.gradient == Gradient::Analytic;
-    !labels && !exact
+/// Whether a volume has levels of detail. Analytic gradients show the field as it is, and classes of labels are averaged in
+/// memory, since means of labels, as a file may have them, are none.
+fn has_levels((volume, labels): (&Volume, bool), settings: &RenderSettings<SheetSettings>) -> bool {
+    let is_exact =
+        Wanted::of(settings) != Wanted::Classified && settings.method.gradient == Gradient::Analytic;
+    !is_exact && !(labels && volume.chunks().is_some())
 }
 
 impl SheetEngine {
@@ -73,7 +74,8 @@ impl SheetEngine {
     ) -> Result<Vec<Segment>, SceneError> {
         let composites = matches!(settings.method.shows, Shows::Material(_));
         // Lit faces of clips are found along the whole ray.
-        if !composites || !scene.effects.clips.is_empty() || !has_levels(scene.labels, settings) {
+        let has_levels = has_levels((&scene.volume, scene.labels), settings);
+        if !composites || !scene.effects.clips.is_empty() || !has_levels {
             return Ok(Vec::new());
         }
         let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {

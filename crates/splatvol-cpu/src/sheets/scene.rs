@@ -311,7 +311,7 @@ impl SheetEngine {
         }
         let mut classified: Vec<&mut Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
-            let look = (&*volume.transfer_function, volume.unit_distance());
+            let look = volume.look();
             let wanted = Wanted::of(&volume.settings(settings));
             classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }

@@ -78,7 +78,7 @@ impl LayerStore {
         (surface, task): (&mut Surface<'_>, Task<'_>),
         statistics: &mut RenderStatistics,
     ) -> Result<(), SceneError> {
-        let look = (own.transfer_function, own.unit_distance);
+        let look = own.look();
         let wanted = Wanted::of(&own.settings);
         let pyramids = self
             .prepared

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use splatvol_core::level::Wanted;
+use splatvol_core::level::{VolumeLook, Wanted};
 use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::prepared::PreparedVolumes;
 use splatvol_scene::{
@@ -87,7 +87,11 @@ impl Subject {
         let [pyramid] = prepared.of_scene([&self.volume].into_iter(), &self.settings) else {
             unreachable!("one volume")
         };
-        let look = (&self.transfer_function, 1.0);
+        let look = VolumeLook {
+            transfer_function: &self.transfer_function,
+            unit_distance: 1.0,
+            labels: false,
+        };
         let stop = std::sync::atomic::AtomicBool::new(false);
         let level = pyramid.classify(0, look, Wanted::Visible, &stop).unwrap();
         let camera = Camera::new(

@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, ImageSize, Projection,
-    RenderSettings, Renderer, Scene,
+    Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid, ImageSize,
+    Projection, RenderSettings, Renderer, Scene,
 };
 use splatvol_testing::checked;
 
@@ -85,4 +85,26 @@ pub(crate) fn world_ray(camera: &Camera, settings: &RenderSettings, x: usize, y:
         world_from_camera.transform_point3(origin),
         world_from_camera.transform_vector3(direction),
     )
+}
+
+/// Length of a ray of unit camera depth in the grid's box (per depth), and how far from the other faces, in voxels, it
+/// enters and leaves.
+pub(crate) fn crossing(grid: &Grid, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    let voxel_from_world = grid.world_from_voxel().inverse();
+    let (p, d) = (
+        voxel_from_world.transform_point3(origin),
+        voxel_from_world.transform_vector3(direction),
+    );
+    let low = DVec3::splat(-0.5);
+    let high = DVec3::from_array(grid.dims().map(|n| n as f64 - 0.5));
+    let (a, b) = ((low - p) / d, (high - p) / d);
+    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    let clear = |t: f64| {
+        let at = p + t * d;
+        let mut distances = (at - low).min(high - at).to_array();
+        distances.sort_by(f64::total_cmp);
+        // The nearest face is the one that is crossed.
+        distances[1]
+    };
+    (enter < leave).then(|| (leave - enter, clear(enter).min(clear(leave))))
 }

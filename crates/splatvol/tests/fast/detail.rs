@@ -1,8 +1,8 @@
 //! Levels of detail: from a voxel per pixel to eight, steps are bounded, and small pictures cost little.
 
 use splatvol::{
-    Camera, Classification, Frame, Item, OpacityPoint, Projection, RenderSettings, Scene, Shows,
-    TransferFunction,
+    Camera, Classification, Frame, Grid, ImageSize, Item, Label, LengthUnit, OpacityPoint, Projection,
+    RenderSettings, RenderStatistics, Rescale, Samples, Scene, Shows, TransferFunction, Volume,
 };
 use splatvol_samples::Sample;
 
@@ -33,8 +33,24 @@ fn areas(frame: &Frame, voxels_per_pixel: f64) -> [f64; 4] {
     std::array::from_fn(|c| sum(c) * voxels_per_pixel * voxels_per_pixel)
 }
 
+/// Pictures of the same view in a pixel per six voxels and in a pixel per voxel, which is of the finest level: their areas, and
+/// what they took.
+fn far_and_near(
+    scene: &Scene,
+    projection: Projection,
+    settings: &RenderSettings,
+) -> [([f64; 4], RenderStatistics); 2] {
+    let camera = minified(scene, projection, 6.0);
+    let mut renderer = renderer();
+    [(PIXELS, 6.0), (6 * PIXELS, 1.0)].map(|(pixels, voxels_per_pixel)| {
+        let settings = settings.with_size(ImageSize::new(pixels, pixels).unwrap());
+        let (frame, statistics) = rendered(&mut renderer, scene, &camera, &settings);
+        (areas(&frame, voxels_per_pixel), statistics)
+    })
+}
+
 /// Levels of classified voxels are means of classes: what is thinner than a level's voxels keeps its optical depth, and
-/// so its light where that is small. A label map of the same voxels has no levels.
+/// so its light where that is small.
 #[test]
 fn classified_voxels_keep_their_optical_depth_at_any_level() {
     // Shells of thin fog.
@@ -47,20 +63,14 @@ fn classified_voxels_keep_their_optical_depth_at_any_level() {
     };
     let opacities = look.opacities().iter().map(thin).collect();
     let thin = TransferFunction::new(look.colors().to_vec(), opacities, look.unit_distance).unwrap();
-    let whole = Scene::from(Item::labels(single.volume.clone(), thin.clone()));
-    let levels = Scene::from(Item::volume(single.volume.clone(), thin));
+    let scene = Scene::from(Item::volume(single.volume.clone(), thin));
     for shows in [Shows::Xray, Shows::Material(Classification::Pre)] {
         let settings = RenderSettings {
             lighting: None,
             ..fast(PIXELS, PIXELS).with_shows(shows)
         };
         for projection in PROJECTIONS {
-            let mut renderer = renderer();
-            let camera = minified(&whole, projection, 6.0);
-            let [exact, level] = [&whole, &levels].map(|scene| {
-                let (frame, statistics) = rendered(&mut renderer, scene, &camera, &settings);
-                (areas(&frame, 6.0), statistics)
-            });
+            let [level, exact] = far_and_near(&scene, projection, &settings);
             let name = format!("{shows:?} {}", name_of(projection));
             println!("{name}: {:?} {:?}", exact.0, level.0);
             assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
@@ -74,6 +84,75 @@ fn classified_voxels_keep_their_optical_depth_at_any_level() {
                 assert!((ratio - 1.0).abs() < 0.01, "{name}, channel {c}: {ratio}");
             }
         }
+    }
+}
+
+/// A ball of labels in eight parts, with a core.
+fn ball_of_labels() -> Volume {
+    let edge = 80;
+    let label = |i: usize| {
+        let place = [i % edge, i / edge % edge, i / (edge * edge)];
+        let [x, y, z] = place.map(|at| at as f64 - 39.5);
+        let part = u8::from(x > 3.0) + 2 * u8::from(y > x) + 4 * u8::from(z > 5.0);
+        match (x * x + y * y + z * z).sqrt() {
+            distance if distance < 12.0 => 9,
+            distance if distance < 36.0 => 1 + part,
+            _ => 0,
+        }
+    };
+    let samples: Vec<u8> = (0..edge * edge * edge).map(label).collect();
+    let grid = Grid::centred([edge; 3], glam::DVec3::ONE).unwrap();
+    let unit = LengthUnit::Millimetre;
+    Volume::new(grid, Samples::U8(samples.into()), Rescale::default(), unit).unwrap()
+}
+
+/// Levels of labels are lit as their finest voxels are: where there is a surface, by its own share. The labels are thin, so that
+/// what a ray loses is in proportion to what it meets.
+#[test]
+fn labels_have_levels_with_the_light_of_the_finest() {
+    let labels: Vec<Label> = (0..10)
+        .map(|name: u8| Label {
+            value: f64::from(name),
+            rgb: [0.9 - 0.08 * f64::from(name), 0.1 * f64::from(name), 0.5],
+            opacity: match name {
+                0 => 0.0,
+                9 => 0.002,
+                _ => 0.0005,
+            },
+        })
+        .collect();
+    let look = TransferFunction::of_labels(&labels, Some(1.0)).unwrap();
+    let scene = Scene::from(Item::labels(ball_of_labels(), look));
+    for projection in PROJECTIONS {
+        let lit = fast(PIXELS, PIXELS);
+        let unlit = RenderSettings {
+            lighting: None,
+            ..lit
+        };
+        let name = name_of(projection);
+        let mut darker = [1.0; 2];
+        for (settings, tolerance) in [(lit, 0.02), (unlit, 0.01)] {
+            let [level, exact] = far_and_near(&scene, projection, &settings);
+            println!("{name}: {:?} {:?}", exact.0, level.0);
+            assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
+            assert!(
+                100 * level.1.voxels < exact.1.voxels,
+                "{name}: {}",
+                level.1.voxels
+            );
+            for c in 0..4 {
+                let ratio = level.0[c] / exact.0[c];
+                assert!((ratio - 1.0).abs() < tolerance, "{name}, channel {c}: {ratio}");
+            }
+            darker = [level.0[0] / darker[0], exact.0[0] / darker[1]];
+        }
+        // What light takes away is there, too: curved surfaces within a voxel have one mean gradient.
+        let taken = darker.map(|unlit_over_lit| unlit_over_lit - 1.0);
+        println!("{name}: light takes {taken:?}");
+        assert!(
+            taken[1] > 0.04 && (0.7..1.1).contains(&(taken[0] / taken[1])),
+            "{name}: {taken:?}"
+        );
     }
 }
 

@@ -7,7 +7,7 @@ use splatvol_testing::fields::{Ball, Constant, Ramp};
 use splatvol_testing::transfer::{band_extinction, constant_extinction, linear_extinction};
 use splatvol_testing::{Field, Random, checked, sample};
 
-use crate::common::{orthographic, perspective, unfiltered, world_ray};
+use crate::common::{crossing, orthographic, perspective, unfiltered, world_ray};
 use crate::support::{fast, render};
 
 /// Unlit, and integrated to the end.
@@ -17,28 +17,6 @@ fn plain(pixels: u32) -> RenderSettings {
         termination: 0.0,
         ..fast(pixels, pixels)
     }
-}
-
-/// Length of a ray of unit camera depth in the grid's box (per depth), and how far from the other faces, in voxels, it
-/// enters and leaves.
-fn crossing(grid: &Grid, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
-    let voxel_from_world = grid.world_from_voxel().inverse();
-    let (p, d) = (
-        voxel_from_world.transform_point3(origin),
-        voxel_from_world.transform_vector3(direction),
-    );
-    let low = DVec3::splat(-0.5);
-    let high = DVec3::from_array(grid.dims().map(|n| n as f64 - 0.5));
-    let (a, b) = ((low - p) / d, (high - p) / d);
-    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
-    let clear = |t: f64| {
-        let at = p + t * d;
-        let mut distances = (at - low).min(high - at).to_array();
-        distances.sort_by(f64::total_cmp);
-        // The nearest face is the one that is crossed.
-        distances[1]
-    };
-    (enter < leave).then(|| (leave - enter, clear(enter).min(clear(leave))))
 }
 
 #[test]
