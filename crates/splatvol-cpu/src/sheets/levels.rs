@@ -30,9 +30,11 @@ pub(super) fn detail(volume: (&Volume, bool), (camera, settings): Shot<'_>) -> D
 /// Whether a volume has levels of detail. Analytic gradients show the field as it is, and classes of labels are averaged in
 /// memory, since means of labels, as a file may have them, are none.
 fn has_levels((volume, labels): (&Volume, bool), settings: &RenderSettings<SheetSettings>) -> bool {
-    let is_exact =
-        Wanted::of(settings) != Wanted::Classified && settings.method.gradient == Gradient::Analytic;
-    !is_exact && !(labels && volume.chunks().is_some())
+    let is_in_chunks = volume.chunks().is_some();
+    match Wanted::of(settings) {
+        Wanted::Classified => !(labels && is_in_chunks),
+        _ => settings.method.gradient != Gradient::Analytic,
+    }
 }
 
 impl SheetEngine {
