@@ -5,8 +5,8 @@
 //! within the volume, levels follow each other in depth instead (`by_depth`). Minified volumes
 //! are anti-aliased by their mips, and cost in proportion to their pixels. With a level bias of n octaves all widths are
 //! `2^n` times as large: drafts have an eighth of the voxels per octave. Voxels that are classified first have levels of
-//! their classes ([`ClassifiedMeans`]), and of the surfaces of labels. Analytic gradients have none: they are anti-aliased by the
-//! filter alone.
+//! their classes ([`ClassifiedMeans`]), labels with the surfaces on which light falls. Analytic gradients have none: they are
+//! anti-aliased by the filter alone.
 
 mod by_depth;
 mod means;

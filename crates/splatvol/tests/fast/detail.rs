@@ -33,13 +33,12 @@ fn areas(frame: &Frame, voxels_per_pixel: f64) -> [f64; 4] {
     std::array::from_fn(|c| sum(c) * voxels_per_pixel * voxels_per_pixel)
 }
 
+/// Areas of a picture, and what it took.
+type Seen = ([f64; 4], RenderStatistics);
+
 /// Pictures of the same view in a pixel per six voxels and in a pixel per voxel, which is of the finest level: their areas, and
 /// what they took.
-fn far_and_near(
-    scene: &Scene,
-    projection: Projection,
-    settings: &RenderSettings,
-) -> [([f64; 4], RenderStatistics); 2] {
+fn far_and_near(scene: &Scene, projection: Projection, settings: &RenderSettings) -> [Seen; 2] {
     let camera = minified(scene, projection, 6.0);
     let mut renderer = renderer();
     [(PIXELS, 6.0), (6 * PIXELS, 1.0)].map(|(pixels, voxels_per_pixel)| {
@@ -47,6 +46,20 @@ fn far_and_near(
         let (frame, statistics) = rendered(&mut renderer, scene, &camera, &settings);
         (areas(&frame, voxels_per_pixel), statistics)
     })
+}
+
+/// Checks that a picture of the third level has the areas of one of the finest, for a hundredth of the voxels.
+fn check_alike(name: &str, (level, exact): (&Seen, &Seen), tolerance: f64) {
+    assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
+    assert!(
+        100 * level.1.voxels < exact.1.voxels,
+        "{name}: {}",
+        level.1.voxels
+    );
+    for c in 0..4 {
+        let ratio = level.0[c] / exact.0[c];
+        assert!((ratio - 1.0).abs() < tolerance, "{name}, channel {c}: {ratio}");
+    }
 }
 
 /// Levels of classified voxels are means of classes: what is thinner than a level's voxels keeps its optical depth, and
@@ -73,16 +86,7 @@ fn classified_voxels_keep_their_optical_depth_at_any_level() {
             let [level, exact] = far_and_near(&scene, projection, &settings);
             let name = format!("{shows:?} {}", name_of(projection));
             println!("{name}: {:?} {:?}", exact.0, level.0);
-            assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
-            assert!(
-                100 * level.1.voxels < exact.1.voxels,
-                "{name}: {}",
-                level.1.voxels
-            );
-            for c in 0..4 {
-                let ratio = level.0[c] / exact.0[c];
-                assert!((ratio - 1.0).abs() < 0.01, "{name}, channel {c}: {ratio}");
-            }
+            check_alike(&name, (&level, &exact), 0.01);
         }
     }
 }
@@ -134,16 +138,7 @@ fn labels_have_levels_with_the_light_of_the_finest() {
         for (settings, tolerance) in [(lit, 0.02), (unlit, 0.01)] {
             let [level, exact] = far_and_near(&scene, projection, &settings);
             println!("{name}: {:?} {:?}", exact.0, level.0);
-            assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
-            assert!(
-                100 * level.1.voxels < exact.1.voxels,
-                "{name}: {}",
-                level.1.voxels
-            );
-            for c in 0..4 {
-                let ratio = level.0[c] / exact.0[c];
-                assert!((ratio - 1.0).abs() < tolerance, "{name}, channel {c}: {ratio}");
-            }
+            check_alike(name, (&level, &exact), tolerance);
             darker = [level.0[0] / darker[0], exact.0[0] / darker[1]];
         }
         // What light takes away is there, too: curved surfaces within a voxel have one mean gradient.
