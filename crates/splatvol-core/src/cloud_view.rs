@@ -6,7 +6,7 @@
 //! cloud lies. Its position is stored in two f32, high and low part.
 
 use glam::{DAffine3, DMat3, DVec3};
-use splatvol_scene::{Camera, ImageSize};
+use splatvol_scene::{Camera, Filter, ImageSize, RenderSettings};
 
 /// Variance that the published renderer adds to every footprint, pixels squared: Gaussians are trained with it.
 pub const PUBLISHED_LOW_PASS: f32 = 0.3;
@@ -41,6 +41,43 @@ pub enum LowPass {
     Added(f32),
     /// Only as much as the footprint's narrower axis lacks of this variance.
     Lacking(f32),
+}
+
+/// A cut Gaussian, less its value at the cut so that it ends without a step, with its integral kept (docs/numerics.md,
+/// "Per-splat compositing"): the profile of whole footprints of optical depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutProfile {
+    /// Edge subtracted from a Gaussian of peak 1.
+    pub edge: f32,
+    /// End of the profile, `log2(e) d^T V^-1 d / 2`.
+    pub end: f32,
+    /// Factor by which the cut raises the peak of a footprint of unit mass.
+    pub peak_of_mass: f32,
+}
+
+impl CutProfile {
+    /// Cut at so many standard deviations.
+    pub fn new(cut: f64) -> Self {
+        let half = 0.5 * cut * cut;
+        let edge = libm::exp(-half);
+        Self {
+            edge: edge as f32,
+            end: (half * std::f64::consts::LOG2_E) as f32,
+            peak_of_mass: ((1.0 - edge) / (1.0 - edge - edge * half)) as f32,
+        }
+    }
+}
+
+/// Standard deviations at which whole footprints of optical depth are cut: where the method's kernel is; four where it is no
+/// Gaussian.
+pub fn cut_of(settings: &RenderSettings) -> f64 {
+    let kernel = settings.method.kernel().gaussian();
+    kernel.map_or(4.0, |(sigma, radius)| radius / sigma)
+}
+
+/// Camera depth, world length, from which whole footprints of optical depth are drawn: half a sheet. `spacing`: of their cloud.
+pub fn near_of_depths(settings: &RenderSettings, spacing: f64) -> f64 {
+    0.5 * settings.method.sheet_thickness() * spacing
 }
 
 /// A camera before a cloud.
@@ -109,6 +146,16 @@ impl CloudView {
 }
 
 impl LowPass {
+    /// That of a filter. Swan's filters depend on the voxels of one grid and are applied elsewhere.
+    pub fn of(filter: Filter) -> Self {
+        let variance = |sigma: f64| (sigma * sigma) as f32 + LEAST_VARIANCE;
+        match filter {
+            Filter::None | Filter::Swan | Filter::SwanAlpha => Self::Added(LEAST_VARIANCE),
+            Filter::Ewa { pixel_sigma } => Self::Added(variance(pixel_sigma)),
+            Filter::Matched { pixel_sigma } => Self::Lacking(variance(pixel_sigma)),
+        }
+    }
+
     fn sane(self) -> Self {
         match self {
             Self::Added(variance) => Self::Added(sane(f64::from(variance)) as f32),

@@ -3,9 +3,10 @@
 //! As published (`3dgs`), Gaussians keep their trained colours and opacities, and points and samples of meshes are
 //! kernels among them. Otherwise everything, Gaussians included, is one cloud of optical depths.
 
-use splatvol_scene::{Compositing, Content, Filter, Item, RenderSettings, Scene};
+use splatvol_core::cloud_view::{cut_of, near_of_depths};
+use splatvol_scene::{Compositing, Content, Item, RenderSettings, Scene};
 
-use crate::splats::{BlendMode, Cloud, CloudSettings, LEAST_VARIANCE, LowPass, Near};
+use crate::splats::{BlendMode, Cloud, CloudSettings, LowPass, Near};
 
 /// A scene whose splats are composited one by one.
 pub(crate) struct SplatScene<'a> {
@@ -54,16 +55,12 @@ impl<'a> SplatScene<'a> {
                 ..CloudSettings::published(settings.size)
             };
         }
-        let cut = settings
-            .method
-            .kernel()
-            .gaussian()
-            .map_or(4.0, |(sigma, radius)| radius / sigma);
+        let cut = cut_of(settings);
         let integral = settings.method.compositing() == Compositing::Xray;
         CloudSettings {
             size: settings.size,
-            low_pass: low_pass(settings.method.filter()),
-            near: Near::World(0.5 * settings.method.sheet_thickness() * spacing),
+            low_pass: LowPass::of(settings.method.filter()),
+            near: Near::World(near_of_depths(settings, spacing)),
             lighting: settings.lighting.filter(|_| !integral),
             blend_mode: if integral {
                 BlendMode::Integral { cut }
@@ -81,15 +78,5 @@ fn scene_of(items: Vec<Item>) -> Scene {
     Scene {
         items,
         ..Scene::default()
-    }
-}
-
-/// Low-pass added to the footprints. Swan's filters depend on the voxels of one grid and are applied elsewhere.
-fn low_pass(filter: Filter) -> LowPass {
-    let variance = |sigma: f64| (sigma * sigma) as f32 + LEAST_VARIANCE;
-    match filter {
-        Filter::None | Filter::Swan | Filter::SwanAlpha => LowPass::Added(LEAST_VARIANCE),
-        Filter::Ewa { pixel_sigma } => LowPass::Added(variance(pixel_sigma)),
-        Filter::Matched { pixel_sigma } => LowPass::Lacking(variance(pixel_sigma)),
     }
 }

@@ -71,7 +71,7 @@ impl<'a> LitKernels<'a> {
         let [x, y] = at.tangent;
         let path = (x * x + y * y + 1.0).sqrt();
         let det = at.det.max(f32x16::splat(simd, f32::MIN_POSITIVE));
-        let height = self.profile.map_or(1.0, |profile| profile.peak_of_mass);
+        let height = self.profile.map_or(1.0, |profile| profile.0.peak_of_mass);
         let per_area = at.scale * at.scale / det.sqrt() * (height * 0.5 * std::f32::consts::FRAC_1_PI);
         let of_masses = carried * path * per_area;
         let peaks_from = self.cloud.peaks_from;

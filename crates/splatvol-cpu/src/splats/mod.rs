@@ -58,7 +58,6 @@ mod wanted;
 
 pub(crate) use engine::{Cloud, SplatEngine};
 pub(crate) use settings::{BlendMode, CloudSettings, LowPass, Near};
-pub(crate) use view::LEAST_VARIANCE;
 
 #[cfg(test)]
 mod tests;

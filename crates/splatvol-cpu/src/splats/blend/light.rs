@@ -2,6 +2,8 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
+use splatvol_core::cloud_view::CutProfile;
+
 use super::Blend;
 use crate::simd::math::{exp2, exp2_quick, log2};
 use crate::splats::composite::{Block, LANES};
@@ -11,27 +13,14 @@ use crate::splats::resolve::Resolved;
 /// Larger optical depths through the middle count as this one.
 const DEEPEST: f32 = 1e9;
 
-/// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept.
+/// The profile of whole footprints of optical depth, sixteen pixels at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CutGaussian {
-    /// Edge subtracted from a Gaussian of peak 1.
-    edge: f32,
-    /// End of the profile, `log2(e) d^T V^-1 d / 2`.
-    end: f32,
-    /// Factor by which the cut raises the peak of a splat of unit mass.
-    pub peak_of_mass: f32,
-}
+pub(crate) struct CutGaussian(pub CutProfile);
 
 impl CutGaussian {
     /// Cut at so many standard deviations.
     pub(crate) fn new(cut: f64) -> Self {
-        let half = 0.5 * cut * cut;
-        let edge = libm::exp(-half);
-        Self {
-            edge: edge as f32,
-            end: (half * std::f64::consts::LOG2_E) as f32,
-            peak_of_mass: ((1.0 - edge) / (1.0 - edge - edge * half)) as f32,
-        }
+        Self(CutProfile::new(cut))
     }
 
     #[inline(always)]
@@ -41,12 +30,12 @@ impl CutGaussian {
 
     #[inline(always)]
     pub(super) fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S> {
-        peak.min(f32x16::splat(simd, DEEPEST)) * (1.0 / (1.0 - self.edge))
+        peak.min(f32x16::splat(simd, DEEPEST)) * (1.0 / (1.0 - self.0.edge))
     }
 
     #[inline(always)]
     pub(super) fn end<S: Simd>(self, simd: S) -> f32x16<S> {
-        f32x16::splat(simd, self.end)
+        f32x16::splat(simd, self.0.end)
     }
 
     /// Optical depths where a splat has these exponents; `None` where it has none at all.
@@ -57,12 +46,12 @@ impl CutGaussian {
         splat: &ProjectedSplat,
         exponent: f32x16<S>,
     ) -> Option<f32x16<S>> {
-        let (end, zero) = (f32x16::splat(simd, -self.end), f32x16::splat(simd, 0.0));
+        let (end, zero) = (f32x16::splat(simd, -self.0.end), f32x16::splat(simd, 0.0));
         let counts = exponent.simd_gt(end);
         if !counts.any_true() {
             return None;
         }
-        let above = (exp2_quick(simd, exponent.max(end).min(zero)) - self.edge).max(zero);
+        let above = (exp2_quick(simd, exponent.max(end).min(zero)) - self.0.edge).max(zero);
         Some(counts.select(above * splat.peak, zero))
     }
 }
