@@ -18,6 +18,10 @@ fn sums_at(place: Place) -> vec4<f32> {
     return sums / (x.sum * y.sum * z.sum);
 }
 
+const LAG: u32 = 2u;
+// Planes without material are all alike.
+const LEAD: u32 = 0u;
+
 // A pixel on its way through the planes.
 struct Pixel {
     // On the last four planes.

@@ -1,9 +1,5 @@
 // Compose: intervals between planes of extinction and emission are composited; `splatvol_cpu::sheets::compose`.
 
-const LAG: u32 = 2u;
-// Planes without material are all alike.
-const LEAD: u32 = 0u;
-
 // Composites the interval between planes `near` and `near + 1`: the mean of the cubics through all four planes.
 fn shade(pixel: ptr<function, Pixel>, near: u32) {
     let inner = (*pixel).near + (*pixel).far;

@@ -71,17 +71,19 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<Drawn<'a>, SceneError> {
     for item in &shot.scene.items {
         add(&mut drawn, shot.scene, item)?;
     }
-    let all_are_volumes = drawn.volumes.len() == shot.scene.items.len();
-    let is_drawn = match sheets.shows {
-        Shows::Material(_) => true,
-        Shows::Xray => all_are_volumes,
-        _ => all_are_volumes && drawn.volumes.len() == 1,
-    };
-    if !is_drawn {
+    let fields = drawn.volumes.len() + drawn.meshes.len();
+    if sheets.shows_one_value() && (fields != 1 || !drawn.rest.items.is_empty()) {
         return refuse(
-            "on the GPU, X-rays of anything but volumes, or maxima, minima or means of anything but one volume",
-            "the GPU engine composites the material of meshes, points and Gaussians; their X-rays, and values of meshes, are drawn by the \
-             engine cpu",
+            "maxima, minima or means of anything but one volume or mesh",
+            "points and Gaussians have no values, and those of different fields do not compare",
+        );
+    }
+    let is_cut =
+        |scene: &Scene| !scene.clips.is_empty() || scene.items.iter().any(|item| !item.clips.is_empty());
+    if sheets.shows == Shows::Xray && !drawn.rest.items.is_empty() && is_cut(shot.scene) {
+        return refuse(
+            "a clip in X-rays of anything but volumes",
+            "whole splats are drawn one by one, classified first, without it; use image sheets",
         );
     }
     Ok(drawn)
@@ -115,6 +117,9 @@ fn add<'a>(drawn: &mut Drawn<'a>, scene: &Scene, item: &'a Item) -> Result<(), S
                 "differences: analytic gradients are of the kernels of grids, and the samples of meshes have kernels of their own",
             ));
         }
+        if sheets.shows_one_value() {
+            check_untouched(scene, item)?;
+        }
         drawn.meshes.push(DrawnMesh {
             item,
             mesh,
@@ -145,12 +150,20 @@ fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings
             "it is drawn by the engine cpu; or read the volume whole",
         );
     }
-    let is_cut = !scene.clips.is_empty() || !single.item.clips.is_empty();
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
     let drops_voxels = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
-    let is_operated = !single.isosurfaces.is_empty() || !single.item.operators.is_empty();
-    if (is_cut && !has_cut_faces && !drops_voxels) || (is_operated && !has_cut_faces) {
+    let is_operated = single.item.shows_isosurfaces() || !single.item.operators.is_empty();
+    if has_cut_faces || (drops_voxels && !is_operated) {
+        return Ok(());
+    }
+    check_untouched(scene, single.item)
+}
+
+/// Refuses clips, isosurfaces and operators.
+fn check_untouched(scene: &Scene, item: &Item) -> Result<(), SceneError> {
+    let is_cut = !scene.clips.is_empty() || !item.clips.is_empty();
+    if is_cut || item.shows_isosurfaces() || !item.operators.is_empty() {
         return refuse(
             "on the GPU, clips, isosurfaces or operators with analytic gradients, maxima, minima or means",
             "take the presets default, fast or draft, and composited material",

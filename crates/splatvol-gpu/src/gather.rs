@@ -51,7 +51,8 @@ pub(crate) struct Part<'a> {
     pub rows: Range<u32>,
     /// Among those of all layers.
     pub intervals: Range<i64>,
-    pub gathered: &'a wgpu::Buffer,
+    /// Beside colours: gathered intervals, or depths of what rays keep.
+    pub second: &'a wgpu::Buffer,
 }
 
 impl Part<'_> {
@@ -90,7 +91,7 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    fn new(gpu: &GpuDevice, data: &FrameData, has_clouds: bool) -> Self {
+    pub(crate) fn new(gpu: &GpuDevice, data: &FrameData, has_clouds: bool) -> Self {
         let pixels_of_row = u64::from(data.size[0]) * u64::from(TILE[1]);
         let room = ROOM.min(gpu.device.limits().max_storage_buffer_binding_size);
         let intervals = (room / MATERIAL / pixels_of_row).clamp(1, u64::from(TOGETHER)) as u32;
@@ -109,6 +110,39 @@ impl Bands {
 
     fn pixels(&self) -> u64 {
         self.pixels_of_row * u64::from(self.rows)
+    }
+
+    /// Makes so many rows of tiles and these intervals part by part; waits for each part but the last two, so that a stopped
+    /// picture ends soon.
+    ///
+    /// # Errors
+    /// A stopped picture, or a device that fails.
+    pub(crate) fn each(
+        &self,
+        (gpu, second): (&GpuDevice, &wgpu::Buffer),
+        (rows, planes): (u32, Range<i64>),
+        task: Task<'_>,
+        mut make: impl FnMut(&Part<'_>) -> Result<wgpu::SubmissionIndex, SceneError>,
+    ) -> Result<(), SceneError> {
+        let mut before = None;
+        for row in (0..rows).step_by(self.rows as usize) {
+            for start in planes.clone().step_by(self.intervals as usize) {
+                task.go_on()?;
+                let part = Part {
+                    bands: self,
+                    rows: row..(row + self.rows).min(rows),
+                    intervals: start..(start + i64::from(self.intervals)).min(planes.end),
+                    second,
+                };
+                if let Some(before) = before.replace(make(&part)?) {
+                    gpu.wait(Some(before))?;
+                    let done = (start - planes.start) as f64 / (planes.end - planes.start) as f64;
+                    let of_rows = f64::from(self.rows.min(rows - row)) * done;
+                    task.report((f64::from(row) + of_rows) / f64::from(rows));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -132,17 +166,6 @@ impl Gather<'_> {
     pub(crate) fn add(&mut self, task: Task<'_>) -> Result<(), SceneError> {
         let gpu = self.gpu;
         gpu.scoped(|_| self.submit(task))?
-    }
-
-    /// Intervals from front to back.
-    pub(crate) fn planes(&self) -> usize {
-        let volumes = self.volumes.iter().map(|march| {
-            let planes = march.picture.view.planes();
-            planes.first..planes.first + planes.count as i64
-        });
-        let all = volumes.chain(self.clouds.iter().map(GatheredLayer::intervals));
-        let all = all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
-        all.map_or(0, |all| (all.end - all.start).max(0) as usize)
     }
 
     fn submit(&mut self, task: Task<'_>) -> Result<(), SceneError> {
@@ -175,27 +198,10 @@ impl Gather<'_> {
             frame: pixels,
             data: self.data,
         };
-        let rows = self.data.tiles[1];
-        let mut before = None;
-        for row in (0..rows).step_by(bands.rows as usize) {
-            for start in planes.clone().step_by(bands.intervals as usize) {
-                task.go_on()?;
-                let part = Part {
-                    bands: &bands,
-                    rows: row..(row + bands.rows).min(rows),
-                    intervals: start..(start + i64::from(bands.intervals)).min(planes.end),
-                    gathered: &gathered,
-                };
-                let submitted = mixed.part(&part, &mut layers)?;
-                if let Some(before) = before.replace(submitted) {
-                    self.gpu.wait(Some(before))?;
-                    let done = (start - planes.start) as f64 / (planes.end - planes.start) as f64;
-                    let of_rows = f64::from(bands.rows.min(rows - row)) * done;
-                    task.report((f64::from(row) + of_rows) / f64::from(rows));
-                }
-            }
-        }
-        Ok(())
+        let all = (self.data.tiles[1], planes);
+        bands.each((self.gpu, &gathered), all, task, |part| {
+            mixed.part(part, &mut layers)
+        })
     }
 
     /// A buffer for the data of parts that are composited.
@@ -223,7 +229,7 @@ impl Mixed<'_> {
     ) -> Result<wgpu::SubmissionIndex, SceneError> {
         let gpu = self.gpu;
         let mut commands = gpu.commands();
-        commands.clear_buffer(part.gathered, 0, None);
+        commands.clear_buffer(part.second, 0, None);
         gpu.queue.submit([commands.finish()]);
         for layer in layers {
             layer.gather(part)?;
@@ -236,7 +242,7 @@ impl Mixed<'_> {
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&data));
         let [colors, depths] = self.canvas.targets();
-        let buffers = [(0, &self.frame), (7, colors), (8, part.gathered), (9, depths)];
+        let buffers = [(0, &self.frame), (7, colors), (8, part.second), (9, depths)];
         let mut commands = gpu.commands();
         let dispatched = groups(part.bands.pixels() as u32, 64);
         self.pass.run(gpu, &mut commands, &buffers, dispatched);
@@ -288,6 +294,17 @@ impl GatheredLayer for Begun<'_> {
             None => Ok(()),
         }
     }
+}
+
+/// Intervals of all layers, from front to back.
+pub(crate) fn planes_of(volumes: &[March<'_>], clouds: &[CloudLayer<'_>]) -> usize {
+    let volumes = volumes.iter().map(|march| {
+        let planes = march.picture.view.planes();
+        planes.first..planes.first + planes.count as i64
+    });
+    let all = volumes.chain(clouds.iter().map(GatheredLayer::intervals));
+    let all = all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
+    all.map_or(0, |all| (all.end - all.start).max(0) as usize)
 }
 
 /// All layers' intervals.

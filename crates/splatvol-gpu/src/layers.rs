@@ -15,10 +15,11 @@ use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, S
 
 use crate::atlas::Atlas;
 use crate::check::Drawn;
-use crate::clouds::{CloudLayer, CloudPasses, CloudStore, Look, OfMesh, Opened};
+use crate::clouds::{CloudLayer, CloudMarch, CloudPasses, CloudStore, Integral, Look, OfMesh, Opened};
 use crate::device::GpuDevice;
+use crate::direct::Direct;
 use crate::effects::Effects;
-use crate::gather::Gather;
+use crate::gather::{Gather, planes_of};
 use crate::layout::{FrameData, Picture};
 use crate::march::{Canvas, March};
 use crate::pass::Pass;
@@ -128,12 +129,14 @@ impl LayerStore {
                 volume,
             });
         }
+        let own = shot.settings.with(sheets);
+        let mesh = |drawn| ShownMesh::new(drawn, shot, &own);
         Ok(Placed {
             shown,
-            meshes: meshes.iter().map(|own| ShownMesh::new(own, shot)).collect(),
+            meshes: meshes.iter().map(mesh).collect(),
             rest,
             clips: Effects::clips(shot.scene, shot.camera),
-            sheets: shot.settings.with(sheets),
+            sheets: own,
         })
     }
 
@@ -179,14 +182,22 @@ impl LayerStore {
                 resident: &on_device.resident[at[i]],
             })
             .collect();
-        // Integrals along rays add up, whatever lies before or behind.
-        let integrates = placed.sheets.method.shows == Shows::Xray;
-        let gathers = !integrates && (shown.len() > 1 || placed.has_clouds());
+        // What rays keep of layers adds up, whatever lies before or behind.
+        let shows = placed.sheets.method.shows;
+        let gathers = matches!(shows, Shows::Material(_)) && (shown.len() > 1 || placed.has_clouds());
+        let integrates = shows == Shows::Xray && placed.has_clouds();
         let passes: Vec<Passes> = layers
             .iter()
             .map(|layer| layer.passes(gpu, pipelines, gathers))
             .collect::<Result<_, _>>()?;
-        let looks = placed.looks();
+        let looks = match integrates {
+            true => Vec::new(),
+            false => placed.looks(),
+        };
+        let integral_passes = match integrates {
+            true => Some(pipelines.integral(gpu)?),
+            false => None,
+        };
         let mixture = match gathers {
             false => None,
             true => Some(pipelines.mixture(gpu)?),
@@ -195,9 +206,9 @@ impl LayerStore {
             true => None,
             false => Some(pipelines.clouds(gpu)?),
         };
-        let cloud_marches: Vec<Arc<Pass>> = looks
+        let cloud_marches: Vec<Arc<CloudMarch>> = looks
             .iter()
-            .map(|look| pipelines.cloud_march(gpu, (look.mode(), look.operators())))
+            .map(|look| pipelines.cloud_march(gpu, (look.mode(), &look.operators())))
             .collect::<Result<_, _>>()?;
         let shared = (gpu, &*pipelines, canvas);
         let marches: Vec<March<'_>> = layers
@@ -205,32 +216,40 @@ impl LayerStore {
             .zip(&passes)
             .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
-        *cloud_bytes = 0;
-        match mixture {
+        let own_spacing = views.first().map(GridView::spacing);
+        let drawn = match &cloud_passes {
+            Some(passes) => {
+                let spacing = own_spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
+                let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
+                let looks = looks.iter().zip(cloud_marches);
+                open_clouds((gpu, passes, canvas), (clouds, looks), view, task).await?
+            }
+            None => Vec::new(),
+        };
+        statistics.sheets += planes_of(&marches, &drawn);
+        statistics.seconds.bin += ready.elapsed().as_secs_f64();
+        *cloud_bytes = match &mixture {
             None => {
-                canvas.clear(gpu, &pipelines.clear)?;
-                for (at, march) in marches.iter().enumerate() {
-                    let share = |done: f64| (task.progress)((at as f64 + done) / marches.len() as f64);
-                    let part = Task {
-                        progress: &share,
-                        ..task
-                    };
-                    let settles = at + 1 == marches.len();
-                    March { settles, ..*march }.add(part)?;
-                }
-                canvas.resolve(gpu, frame, 0.0).await?;
+                let integral = |(passes, cloud)| Integral {
+                    gpu,
+                    passes,
+                    canvas,
+                    cloud,
+                    camera,
+                    settings: shot.settings,
+                    sheets: &placed.sheets,
+                };
+                let direct = Direct {
+                    gpu,
+                    canvas,
+                    volumes: &marches,
+                    mesh: drawn.into_iter().next(),
+                    integral: integral_passes.as_deref().zip(clouds.rest()).map(integral),
+                    clear: &pipelines.clear,
+                };
+                direct.render(task, frame).await?
             }
             Some(mixture) => {
-                let own_spacing = views.first().map(GridView::spacing);
-                let drawn = match &cloud_passes {
-                    Some(passes) => {
-                        let spacing = own_spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
-                        let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
-                        let looks = looks.iter().zip(cloud_marches);
-                        open_clouds((gpu, passes, canvas), (clouds, looks), view, task).await?
-                    }
-                    None => Vec::new(),
-                };
                 let rays = Rays::new(&camera.screen_from_camera(shot.settings.size));
                 let gather = Gather {
                     gpu,
@@ -238,17 +257,12 @@ impl LayerStore {
                     data: FrameData::seen(&placed.sheets, &rays),
                     volumes: &marches,
                     clouds: drawn,
-                    mixture: &mixture,
+                    mixture,
                     clear: &pipelines.clear,
                 };
-                statistics.sheets += gather.planes();
-                statistics.seconds.bin += ready.elapsed().as_secs_f64();
-                *cloud_bytes = gather.render(task, frame).await?;
+                gather.render(task, frame).await?
             }
-        }
-        if let (false, Some(view)) = (gathers, views.first()) {
-            statistics.sheets += view.planes().count;
-        }
+        };
         statistics.seconds.tiles += ready.elapsed().as_secs_f64();
         Ok(())
     }
@@ -274,7 +288,7 @@ impl LayerStore {
 /// Opens the clouds of a scene on planes of this distance, world length.
 async fn open_clouds<'a>(
     (gpu, passes, canvas): (&'a GpuDevice, &'a CloudPasses, &'a Canvas),
-    (clouds, looks): (&CloudStore, impl Iterator<Item = (&'a Look<'a>, Arc<Pass>)>),
+    (clouds, looks): (&CloudStore, impl Iterator<Item = (&'a Look<'a>, Arc<CloudMarch>)>),
     view: ((&Camera, &RenderSettings<SheetSettings>), f64),
     task: Task<'_>,
 ) -> Result<Vec<CloudLayer<'a>>, SceneError> {

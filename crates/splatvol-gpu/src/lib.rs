@@ -19,7 +19,7 @@
 //! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
 //! | classify | `voxels` | `classify` | samples, table, light | classes of voxels, where these are splatted |
 //! | mixture | `gather` | `gather`, `mixture` | intervals of several layers | the same |
-//! | settle | `march` | `settle` | what rays kept | the same |
+//! | settle | `march`, `direct` | `settle` | what rays kept | the same |
 //! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
 //!
 //! `sort` sorts and adds up on the device, `pass` runs a compiled entry point, `device` opens an adapter, `pipelines`
@@ -30,9 +30,11 @@ mod atlas;
 mod check;
 mod clouds;
 mod device;
+mod direct;
 mod effects;
 mod engine;
 mod error;
+mod footprints;
 mod gather;
 mod gaussians;
 mod layers;

@@ -1,9 +1,11 @@
 //! Mode: what a pixel makes of the planes, and the shaders that do it.
 
+use splatvol_core::classification::ClassificationTable;
 use splatvol_core::level::{Level, Wanted};
 use splatvol_scene::{Gradient, SheetSettings, Shows};
 
 use crate::effects::Effects;
+use crate::footprints::{BATCH, SPLAT, VIEW};
 use crate::sort::LISTS;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
@@ -24,6 +26,7 @@ const SUMS: &str = include_str!("../shaders/sums.wgsl");
 const CLASSES: &str = include_str!("../shaders/classes.wgsl");
 const COMPOSE: &str = include_str!("../shaders/compose.wgsl");
 const XRAY: &str = include_str!("../shaders/xray.wgsl");
+const INTEGRALS: &str = include_str!("../shaders/integrals.wgsl");
 const CLASSIFY: &str = include_str!("../shaders/classify.wgsl");
 const SETTLE: &str = include_str!("../shaders/settle.wgsl");
 const DIRECT: &str = include_str!("../shaders/direct.wgsl");
@@ -42,13 +45,18 @@ const CUBIC: &str = include_str!("../shaders/cubic.wgsl");
 const VALUES: &str = include_str!("../shaders/values.wgsl");
 const EXACT_VALUES: &str = include_str!("../shaders/exact_values.wgsl");
 const CLOUD_SPLAT: &str = include_str!("../shaders/clouds/splat.wgsl");
+const KERNEL: &str = include_str!("../shaders/clouds/kernel.wgsl");
 const OPEN: &str = include_str!("../shaders/clouds/open.wgsl");
+const CLOUD_PROJECT: &str = include_str!("../shaders/clouds/project.wgsl");
+const INTEGRATE: &str = include_str!("../shaders/clouds/integrate.wgsl");
 const CLOUD_PAIRS: &str = include_str!("../shaders/clouds/pairs.wgsl");
 const RING: &str = include_str!("../shaders/clouds/ring.wgsl");
 const CLOUD_COLORS: &str = include_str!("../shaders/clouds/colors.wgsl");
 const CLOUD_VALUES: &str = include_str!("../shaders/clouds/values.wgsl");
 const CLOUD_PLANES: &str = include_str!("../shaders/clouds/planes.wgsl");
 const READ: &str = include_str!("../shaders/clouds/read.wgsl");
+const CLOUD_MEANS: &str = include_str!("../shaders/clouds/means.wgsl");
+const CLOUD_RAYS: &str = include_str!("../shaders/clouds/rays.wgsl");
 const EMISSION: &str = include_str!("../shaders/clouds/emission.wgsl");
 const CLOUD_FIELD: &str = include_str!("../shaders/clouds/field.wgsl");
 const MARCH: &str = include_str!("../shaders/march.wgsl");
@@ -59,6 +67,23 @@ pub(crate) enum Kept {
     Largest,
     Smallest,
     Mean,
+}
+
+impl Kept {
+    /// What is kept with these settings; `None` where rays composite material, or integrate it.
+    pub(crate) fn of(wanted: Wanted) -> Option<Self> {
+        match wanted {
+            Wanted::Visible | Wanted::Classified => None,
+            Wanted::Largest => Some(Self::Largest),
+            Wanted::Smallest => Some(Self::Smallest),
+            Wanted::All => Some(Self::Mean),
+        }
+    }
+
+    /// As constant of shaders.
+    fn constant(self) -> (&'static str, f64) {
+        ("KEEPS", f64::from(self as u8))
+    }
 }
 
 /// What a pixel makes of the planes.
@@ -83,15 +108,13 @@ pub(crate) enum Mode {
 impl Mode {
     /// The mode of these settings.
     pub(crate) fn of(wanted: Wanted, sheets: &SheetSettings, effects: &Effects) -> Self {
-        let kept = match wanted {
-            Wanted::Visible => None,
-            Wanted::Largest => Some(Kept::Largest),
-            Wanted::Smallest => Some(Kept::Smallest),
-            Wanted::All => Some(Kept::Mean),
-            Wanted::Classified if sheets.shows == Shows::Xray => return Self::Xray,
-            Wanted::Classified => return Self::Compose,
-        };
-        match (kept, sheets.gradient) {
+        if wanted == Wanted::Classified {
+            return match sheets.shows {
+                Shows::Xray => Self::Xray,
+                _ => Self::Compose,
+            };
+        }
+        match (Kept::of(wanted), sheets.gradient) {
             (None, Gradient::Differences) if effects.is_none() => Self::Material,
             (None, Gradient::Differences) => Self::Effects,
             (None, Gradient::Analytic) => Self::Analytic,
@@ -160,7 +183,7 @@ impl Mode {
             Self::Values(_) => &[COEFFICIENTS, BESIDE, EYE, AROUND, NODES, CUBIC, VALUES],
             Self::ExactValues(_) => &[COEFFICIENTS, NODES, ENDS, CUBIC, EXACT_VALUES],
             Self::Compose => &[CLASSES, SLAB, EYE, COMPOSE],
-            Self::Xray => &[CLASSES, SLAB, XRAY],
+            Self::Xray => &[CLASSES, SLAB, XRAY, INTEGRALS],
         };
         [field.as_slice(), own].concat().join("\n")
     }
@@ -168,12 +191,11 @@ impl Mode {
     /// Constants of its entry points, apart from the kernel's.
     pub(crate) fn constants(self, from_eye: bool) -> Vec<(&'static str, f64)> {
         let from_eye = ("FROM_EYE", f64::from(u8::from(from_eye)));
-        let keeps = |kept| ("KEEPS", f64::from(kept as u8));
         match self {
             Self::Material | Self::Effects | Self::Compose => vec![from_eye],
             Self::Analytic | Self::Xray => Vec::new(),
-            Self::Values(kept) => vec![from_eye, keeps(kept)],
-            Self::ExactValues(kept) => vec![keeps(kept)],
+            Self::Values(kept) => vec![from_eye, kept.constant()],
+            Self::ExactValues(kept) => vec![kept.constant()],
         }
     }
 
@@ -190,7 +212,7 @@ impl Mode {
     pub(crate) fn look(self, level: &Level) -> Vec<[f32; 4]> {
         match self {
             Self::Material | Self::Effects => level.table.cells().to_vec(),
-            _ => nodes(level),
+            _ => nodes(&level.classification),
         }
     }
 }
@@ -209,25 +231,56 @@ pub(crate) enum CloudMode {
     Field,
     /// The same where clips leave it, or isosurfaces instead; with operators.
     FieldEffects,
+    /// One value of the ray through a mesh.
+    Values(Kept),
 }
 
 impl CloudMode {
-    /// The text of its entry point `march`. Intervals are kept beside those of other layers; `operators`: the function `operate`
-    /// of a mesh with effects.
+    /// Whether rays keep something that is no colour yet. Otherwise intervals are kept beside those of other layers.
+    pub(crate) fn settles(self) -> bool {
+        matches!(self, Self::Values(_))
+    }
+
+    /// The text of its shaders: entry points `march` and, where rays keep something else than colours, `settle`. `operators`:
+    /// the function `operate` of a mesh with effects.
     pub(crate) fn text(self, operators: &str) -> String {
-        let field = [RING, CLOUD_VALUES, READ, TABLE, PLANES, CLOUD_FIELD, EYE].as_slice();
+        let field = [
+            RING,
+            CLOUD_VALUES,
+            READ,
+            CLOUD_MEANS,
+            TABLE,
+            PLANES,
+            CLOUD_FIELD,
+            EYE,
+        ]
+        .as_slice();
         let own: Vec<&str> = match self {
             Self::Colors => vec![RING, CLOUD_COLORS, READ, SLAB, EMISSION],
             Self::Field => [field, &[MATERIAL]].concat(),
             Self::FieldEffects => [field, &[CLIPS, SAMPLE, EFFECTS, operators]].concat(),
+            Self::Values(_) => vec![RING, CLOUD_VALUES, READ, CLOUD_MEANS, NODES, CUBIC, CLOUD_RAYS],
+        };
+        let target: &[&str] = match self.settles() {
+            true => &[DIRECT, SETTLE],
+            false => &[GATHER],
         };
         [
             &[FRAME, OPEN_PIXELS, LIGHT, CLOUD_SPLAT],
             &own[..],
-            &[MARCH, GATHER],
+            &[MARCH],
+            target,
         ]
         .concat()
         .join("\n")
+    }
+
+    /// Constants of its entry points.
+    pub(crate) fn constants(self) -> Vec<(&'static str, f64)> {
+        match self {
+            Self::Values(kept) => vec![kept.constant()],
+            _ => Vec::new(),
+        }
     }
 }
 
@@ -235,10 +288,18 @@ impl CloudMode {
 pub(crate) fn cloud_shaders() -> [String; 4] {
     let planes = |sums| [FRAME, CLOUD_SPLAT, RING, sums, CLOUD_PLANES].join("\n");
     [
-        [FRAME, LIGHT, CLIPS, CLOUD_SPLAT, OPEN].join("\n"),
+        [FRAME, LIGHT, CLIPS, CLOUD_SPLAT, KERNEL, OPEN].join("\n"),
         [FRAME, CLOUD_SPLAT, LISTS, CLOUD_PAIRS].join("\n"),
         planes(CLOUD_COLORS),
         planes(CLOUD_VALUES),
+    ]
+}
+
+/// The texts of the passes of a cloud's integrals: project, and integrate with settle.
+pub(crate) fn integral_shaders() -> [String; 2] {
+    [
+        [SPLAT, VIEW, KERNEL, CLOUD_PROJECT].join("\n"),
+        [FRAME, LIGHT, SLAB, SPLAT, BATCH, INTEGRATE, INTEGRALS, SETTLE].join("\n"),
     ]
 }
 
@@ -248,11 +309,10 @@ pub(crate) fn mixture_shader() -> String {
 }
 
 /// Per node integrals, then extinction and linear colour.
-fn nodes(level: &Level) -> Vec<[f32; 4]> {
-    use splatvol_core::classification::ClassificationTable;
+pub(crate) fn nodes(classified: &ClassificationTable) -> Vec<[f32; 4]> {
     (0..=ClassificationTable::CELLS)
         .flat_map(|index| {
-            let (integrals, [extinction, ..], [r, g, b]) = level.classification.node(index);
+            let (integrals, [extinction, ..], [r, g, b]) = classified.node(index);
             [integrals.map(|k| k as f32), [extinction, r, g, b]]
         })
         .collect()

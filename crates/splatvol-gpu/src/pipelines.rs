@@ -6,7 +6,7 @@ use std::sync::Arc;
 use splatvol_scene::SceneError;
 
 use crate::atlas::ASSEMBLE;
-use crate::clouds::CloudPasses;
+use crate::clouds::{CloudMarch, CloudPasses, IntegralPasses};
 use crate::device::GpuDevice;
 use crate::error::GpuError;
 use crate::mode::{CloudMode, Mode, classify_shader, mixture_shader};
@@ -39,8 +39,10 @@ pub(crate) struct Pipelines {
     mixture: Option<Arc<Pass>>,
     /// Passes of clouds; compiled likewise.
     clouds: Option<Arc<CloudPasses>>,
+    /// Passes of clouds' integrals; compiled likewise.
+    integral: Option<Arc<IntegralPasses>>,
     /// Passes over planes of clouds; compiled likewise.
-    cloud_marches: HashMap<(CloudMode, Arc<str>), Arc<Pass>>,
+    cloud_marches: HashMap<(CloudMode, Arc<str>), Arc<CloudMarch>>,
 }
 
 /// How voxels are classified.
@@ -166,6 +168,7 @@ impl Pipelines {
             classify: HashMap::new(),
             mixture: None,
             clouds: None,
+            integral: None,
             cloud_marches: HashMap::new(),
         }
     }
@@ -226,7 +229,19 @@ impl Pipelines {
         Ok(Arc::clone(self.clouds.insert(made)))
     }
 
-    /// The pass over a cloud's planes.
+    /// The passes of a cloud's integrals.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn integral(&mut self, gpu: &GpuDevice) -> Result<Arc<IntegralPasses>, SceneError> {
+        let made = match self.integral.take() {
+            Some(known) => known,
+            None => Arc::new(IntegralPasses::new(gpu)?),
+        };
+        Ok(Arc::clone(self.integral.insert(made)))
+    }
+
+    /// The passes over a cloud's planes.
     ///
     /// # Errors
     /// A driver that refuses a shader.
@@ -234,13 +249,12 @@ impl Pipelines {
         &mut self,
         gpu: &GpuDevice,
         (mode, operators): (CloudMode, &Arc<str>),
-    ) -> Result<Arc<Pass>, SceneError> {
+    ) -> Result<Arc<CloudMarch>, SceneError> {
         let key = (mode, Arc::clone(operators));
         if let Some(known) = self.cloud_marches.get(&key) {
             return Ok(Arc::clone(known));
         }
-        let text = mode.text(operators);
-        let made = Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("march", &text), &[]))?);
+        let made = Arc::new(CloudMarch::new(gpu, mode, operators)?);
         self.cloud_marches.insert(key, Arc::clone(&made));
         Ok(made)
     }

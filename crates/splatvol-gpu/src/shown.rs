@@ -14,9 +14,9 @@ use splatvol_scene::{
 };
 
 use crate::check::DrawnMesh;
-use crate::clouds::{Look, OfMesh};
+use crate::clouds::{Look, OfMesh, ValueLook};
 use crate::effects::Effects;
-use crate::mode::Mode;
+use crate::mode::{Kept, Mode, nodes};
 
 /// The layers of a scene where they lie.
 #[derive(Debug)]
@@ -49,10 +49,16 @@ pub(crate) struct ShownMesh<'a> {
     of: OfMesh<'a>,
     table: ShadeTable,
     effects: Effects,
+    /// Where each ray shows one of its values.
+    values: Option<ValueLook>,
 }
 
 impl<'a> ShownMesh<'a> {
-    pub(crate) fn new(drawn: &DrawnMesh<'a>, shot: &Shot<'_>) -> Self {
+    pub(crate) fn new(
+        drawn: &DrawnMesh<'a>,
+        shot: &Shot<'_>,
+        sheets: &RenderSettings<SheetSettings>,
+    ) -> Self {
         let DrawnMesh {
             item,
             mesh,
@@ -69,7 +75,13 @@ impl<'a> ShownMesh<'a> {
         table.update(&classified, &VisibleLevels::new(&classified), 0.0);
         // Beside the mesh there is nothing, whatever its values.
         table.shows_background = false;
+        let values = Kept::of(Wanted::of(sheets)).map(|kept| ValueLook {
+            kept,
+            nodes: nodes(&classified),
+            unit_distance: unit_distance as f32,
+        });
         Self {
+            values,
             of: OfMesh {
                 mesh,
                 world_from_local: item.world_from_item * *mesh.world_from_local(),
@@ -85,9 +97,10 @@ impl<'a> ShownMesh<'a> {
     }
 
     fn look(&self) -> Look<'_> {
-        Look::Field {
-            table: &self.table,
-            effects: &self.effects,
+        let (table, effects) = (&self.table, &self.effects);
+        match &self.values {
+            None => Look::Field { table, effects },
+            Some(values) => Look::Values { table, values },
         }
     }
 }

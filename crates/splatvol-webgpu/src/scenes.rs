@@ -52,6 +52,11 @@ pub(crate) fn cases() -> Result<Vec<Case>, Box<dyn Error>> {
     let mip = flat(Compositing::Mip, Classification::Post)?;
     let xray = flat(Compositing::Xray, Classification::Post)?;
     let pre = flat(Compositing::ImageSheets, Classification::Pre)?;
+    let integrals = RenderSettings {
+        gaussians: GaussianMode::Volumetric,
+        ..xray
+    };
+    let clouds = [points(2000)?, gaussians(150, 0.03)?];
     let mixture = [head()?, points(2000)?, gaussians(150, 0.03)?];
     [
         (
@@ -72,6 +77,12 @@ pub(crate) fn cases() -> Result<Vec<Case>, Box<dyn Error>> {
             "head, points and Gaussians",
             mixture.into(),
             volumetric,
+            Law::OTHERS,
+        ),
+        (
+            "points and Gaussians, X-ray",
+            clouds.into(),
+            integrals,
             Law::OTHERS,
         ),
     ]

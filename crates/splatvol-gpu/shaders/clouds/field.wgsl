@@ -1,13 +1,4 @@
-// Field: a pixel's values of a mesh on four planes, `v = S / W`, with differences across; `splatvol_cpu::sheets::cloud::field`.
-
-// Least weight used as a divisor.
-const LEAST_WEIGHT: f32 = 1e-6;
-// Share of the weight below which a plane takes values continued from the others.
-const FADED: f32 = 0.15;
-
-fn value_of(sums: vec2<f32>) -> f32 {
-    return sums.y / max(sums.x, LEAST_WEIGHT);
-}
+// Field: a pixel's values of a mesh on four planes, with differences across; `splatvol_cpu::sheets::cloud::field`.
 
 // Takes a plane's value, the weight that it lacks, and differences at a pixel.
 fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
@@ -33,14 +24,6 @@ fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
 
 fn around(pixel: ptr<function, Pixel>, near: u32) -> Around {
     let left = 1.0 - (*pixel).missing;
-    let means = (*pixel).sums;
-    let nearer = select(means.y, means.z, left.y < min(FADED, left.z));
-    let farther = select(means.z, means.y, left.z < min(FADED, left.y));
-    let values = vec4(
-        select(means.x, nearer * 2.0 - farther, left.x < FADED),
-        nearer,
-        farther,
-        select(means.w, farther * 2.0 - nearer, left.w < FADED),
-    );
+    let values = continued((*pixel).sums, left);
     return Around(values, values, left.yz, left.y <= 0.0 && left.z <= 0.0);
 }

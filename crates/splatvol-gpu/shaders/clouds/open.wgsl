@@ -17,13 +17,6 @@ struct Cloud {
     before: u32,
 }
 
-struct Kernel {
-    // Centre, local; covariance: xx, xy, xz, yy, yz, zz; gradient of the normalised value.
-    x: f32, y: f32, z: f32, xx: f32,
-    xy: f32, xz: f32, yy: f32, yz: f32,
-    zz: f32, gradient_x: f32, gradient_y: f32, gradient_z: f32,
-}
-
 @group(0) @binding(3) var<uniform> cloud: Cloud;
 @group(0) @binding(4) var<storage, read> kernels: array<Kernel>;
 @group(0) @binding(5) var<storage, read> payloads: array<vec4<f32>>;

@@ -1,35 +1,6 @@
 // Project: Gaussians to ellipses on the screen, one per invocation; docs/numerics.md and `splatvol_cpu::splats::project`.
 // Those that are not seen get the largest key.
 
-struct View {
-    // The eye, local, as a rounded value and the remainder.
-    eye: vec3<f32>,
-    near: f32,
-    eye_rest: vec3<f32>,
-    scale: f32,
-    // Rows of the linear part of camera from local.
-    to_x: vec3<f32>,
-    low_pass: f32,
-    to_y: vec3<f32>,
-    is_perspective: u32,
-    to_z: vec3<f32>,
-    degree: u32,
-    // The view direction, local, that all pixels share where rays are parallel.
-    direction: vec3<f32>,
-    is_antialiased: u32,
-    centre: vec2<f32>,
-    tangent_limit: vec2<f32>,
-    reference_tiles: vec2<f32>,
-    // Gaussians of this page, and how many are before them.
-    count: u32,
-    before: u32,
-    // Bits of the smallest depth that there may be, and the key of what is not seen: larger than any other.
-    first_key: u32,
-    unseen_key: u32,
-    unused: vec2<u32>,
-}
-
-@group(0) @binding(0) var<uniform> view: View;
 // Centre and opacity; rotation as a quaternion; scales.
 @group(0) @binding(1) var<storage, read> means: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> rotations: array<vec4<f32>>;
@@ -41,16 +12,14 @@ struct View {
 @group(0) @binding(6) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(7) var<storage, read_write> places: array<u32>;
 
+// log2(255).
+override LOG2_255: f32;
 override LEAST_ALPHA: f32;
 override UNSEEN_ALPHA: f32;
 override LEAST_SPREAD: f32;
 override LEAST_RATIO: f32;
 
-const LARGEST: f32 = 3.4028234e38;
-const SMALLEST: f32 = 1.1754944e-38;
 const LOG2_E: f32 = 1.442695041;
-// Pixels by which the ellipse may be larger than computed.
-const ROUNDING: f32 = 0.01;
 const BRIGHTEST: f32 = 1e4;
 
 // Rows of A = J M R S.
@@ -130,15 +99,6 @@ fn color_of(index: u32, d: vec3<f32>) -> vec3<f32> {
     return select(vec3(0.0), min(sum, vec3(BRIGHTEST)), sum > vec3(0.0));
 }
 
-// Reference tiles that both the square around a splat and its ellipse meet, along one axis.
-fn range_of(place: f32, half_square: f32, reach: f32, past: f32) -> vec2<f32> {
-    let edge = f32(REFERENCE_TILE);
-    let low = floor((place - min(half_square, reach + ROUNDING)) / edge);
-    let square = (place + half_square + (edge - 1.0)) / edge;
-    let own = (place + reach + (edge + ROUNDING)) / edge;
-    return clamp(vec2(low, floor(min(square, own))), vec2(0.0), vec2(past));
-}
-
 fn leave_out(at: u32) {
     keys[at] = view.unseen_key;
     splats[at].columns = 0u;
@@ -154,20 +114,12 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     let at = view.before + index;
     places[at] = at;
     let mean = means[index];
-    let offset = mean.xyz - view.eye - view.eye_rest;
-    let depth = dot(view.to_z, offset);
-    if !(depth > view.near) {
+    let seen = seen_at(mean.xyz);
+    if !(seen.depth > view.near) {
         leave_out(at);
         return;
     }
-    let inverse = select(1.0, 1.0 / max(depth, SMALLEST), view.is_perspective != 0u);
-    let scale = inverse * view.scale;
-    let place = vec2(dot(view.to_x, offset), dot(view.to_y, offset));
-    let centre = place * scale + view.centre;
-    let tangent = clamp(place * inverse, -view.tangent_limit, view.tangent_limit);
-    let row_x = (view.to_x - tangent.x * view.to_z) * scale;
-    let row_y = (view.to_y - tangent.y * view.to_z) * scale;
-    let axes = screen_axes(row_x, row_y, rotations[index], scales[index].xyz);
+    let axes = screen_axes(seen.row_x, seen.row_y, rotations[index], scales[index].xyz);
     let across = cross(axes.a, axes.b);
     let sharp = dot(across, across);
     let added = view.low_pass;
@@ -190,8 +142,8 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     let half = (xx - yy) * 0.5;
     let spread = sqrt(max(half * half + xy * xy, LEAST_SPREAD));
     let half_square = ceil(sqrt((xx + yy) * 0.5 + spread) * 3.0);
-    let columns = range_of(centre.x - 0.5, half_square, reach.x, view.reference_tiles.x);
-    let rows = range_of(centre.y - 0.5, half_square, reach.y, view.reference_tiles.y);
+    let columns = range_of(seen.centre.x - 0.5, half_square, reach.x, view.reference_tiles.x);
+    let rows = range_of(seen.centre.y - 0.5, half_square, reach.y, view.reference_tiles.y);
     if !(columns.x < columns.y && rows.x < rows.y) {
         leave_out(at);
         return;
@@ -199,19 +151,19 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     let per_det = -0.5 * LOG2_E / det;
     var direction = view.direction;
     if view.is_perspective != 0u {
-        direction = offset / max(length(offset), SMALLEST);
+        direction = seen.offset / max(length(seen.offset), SMALLEST);
     }
     let color = color_of(index, direction);
     splats[at] = Splat(
-        centre,
+        seen.centre,
         vec2(yy, xy * -2.0) * per_det,
         xx * per_det,
         peak,
         color.rg,
         color.b,
-        depth,
+        seen.depth,
         u32(columns.x) | (u32(columns.y) << 16u),
         u32(rows.x) | (u32(rows.y) << 16u),
     );
-    keys[at] = min(max(bitcast<u32>(depth), view.first_key) - view.first_key, view.unseen_key - 1u);
+    keys[at] = min(max(bitcast<u32>(seen.depth), view.first_key) - view.first_key, view.unseen_key - 1u);
 }

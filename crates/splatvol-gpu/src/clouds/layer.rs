@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use splatvol_core::engine::Task;
 use splatvol_scene::SceneError;
 
 use super::open::{EDGE, GROUP, Look, Opened, PartData};
-use super::passes::CloudPasses;
+use super::passes::{CloudMarch, CloudPasses};
 use crate::device::GpuDevice;
 use crate::gather::{Bands, GatheredLayer, Part};
 use crate::layout::FrameData;
@@ -23,11 +24,11 @@ pub(crate) fn ring_bytes([width, _]: [u32; 2], rows: u32) -> u64 {
     pitch * u64::from(EDGE * (rows + 1)) * u64::from(RING) * 16
 }
 
-/// A cloud, ready to be gathered.
+/// A cloud, ready to be gathered among other layers, or to be shown alone by what rays keep of it.
 pub(crate) struct CloudLayer<'a> {
     gpu: &'a GpuDevice,
     planes: &'a Pass,
-    march: Arc<Pass>,
+    march: Arc<CloudMarch>,
     canvas: &'a Canvas,
     mode: CloudMode,
     opened: Opened,
@@ -54,17 +55,15 @@ impl<'a> CloudLayer<'a> {
     /// Memory that the device refuses.
     pub(crate) fn new(
         gpu: &'a GpuDevice,
-        (passes, march, canvas): (&'a CloudPasses, Arc<Pass>, &'a Canvas),
+        (passes, march, canvas): (&'a CloudPasses, Arc<CloudMarch>, &'a Canvas),
         look: &Look<'_>,
         opened: Opened,
     ) -> Result<Self, SceneError> {
         let mode = look.mode();
         let pixels = opened.data.size.map(u64::from).iter().product::<u64>();
         gpu.scoped(|_| {
-            let (table, effects) = match look {
-                Look::Colors { .. } => (&[][..], &[][..]),
-                Look::Field { table, effects } => (table.cells(), &effects.data[..]),
-            };
+            let [_, effects] = look.effects();
+            let effects = effects.map_or(&[][..], |effects| &effects.data);
             // Two vectors per pixel.
             let faces = match mode {
                 CloudMode::FieldEffects => 32 * pixels,
@@ -72,7 +71,7 @@ impl<'a> CloudLayer<'a> {
             };
             Self {
                 frame: uniform(gpu, &opened.data),
-                table: gpu.buffer_of("table", table),
+                table: gpu.buffer_of("table", look.table()),
                 effects: gpu.buffer_of("effects", effects),
                 faces: gpu.buffer("faces", faces, wgpu::BufferUsages::STORAGE),
                 gpu,
@@ -90,6 +89,35 @@ impl<'a> CloudLayer<'a> {
     pub(crate) fn bytes(&self) -> usize {
         let ring = self.ring.as_ref().map_or(0, |ring| ring.planes.size() as usize);
         self.opened.bytes() + self.faces.size() as usize + ring
+    }
+
+    /// Makes pixels of what its rays keep, on an empty canvas.
+    ///
+    /// # Errors
+    /// A stopped picture, or a device that fails.
+    pub(crate) fn show(&mut self, task: Task<'_>) -> Result<(), SceneError> {
+        let (gpu, canvas) = (self.gpu, self.canvas);
+        let data = self.opened.data;
+        let bands = Bands::new(gpu, &data, true);
+        let [colors, depths] = canvas.targets();
+        let all = (data.tiles[1], self.intervals());
+        gpu.scoped(|_| {
+            bands.each((gpu, depths), all, task, |part| {
+                self.gather(part)?;
+                Ok(gpu.queue.submit([]))
+            })
+        })??;
+        let march = Arc::clone(&self.march);
+        let Some(settle) = &march.settle else {
+            return Ok(());
+        };
+        gpu.scoped(|_| {
+            gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&data));
+            let bound = [(0, &self.frame), (6, &self.table), (7, colors), (8, depths)];
+            let mut commands = gpu.commands();
+            settle.run(gpu, &mut commands, &bound, data.tiles);
+            gpu.queue.submit([commands.finish()]);
+        })
     }
 
     /// Makes the planes from one on to another, both included, that a part lacks.
@@ -181,19 +209,19 @@ impl GatheredLayer for CloudLayer<'_> {
             (2, &ring.planes),
             (3, &self.opened.tile_sheets),
             (7, colors),
-            (8, part.gathered),
+            (8, part.second),
             (11, &ring.part),
         ];
         let of_values = [(6, &self.table), (9, &self.effects), (10, &self.faces)];
         let used = match self.mode {
-            CloudMode::Colors => 0,
+            CloudMode::Colors | CloudMode::Values(_) => 0,
             CloudMode::Field => 1,
             CloudMode::FieldEffects => 3,
         };
         let bound = [&common[..], &of_values[..used]].concat();
         let mut commands = gpu.commands();
         let dispatched = [data.tiles[0], part.rows.end - part.rows.start];
-        self.march.run(gpu, &mut commands, &bound, dispatched);
+        self.march.march.run(gpu, &mut commands, &bound, dispatched);
         gpu.queue.submit([commands.finish()]);
         Ok(())
     }

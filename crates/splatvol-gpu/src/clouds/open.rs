@@ -15,7 +15,7 @@ use super::store::{Kernels, Ready};
 use crate::device::GpuDevice;
 use crate::effects::Effects;
 use crate::layout::{FrameData, SheetData, columns, gradients};
-use crate::mode::CloudMode;
+use crate::mode::{CloudMode, Kept};
 use crate::pass::{groups, numbers, uniform};
 use crate::sort::{ListsData, Pairs};
 
@@ -63,30 +63,56 @@ pub(crate) enum Look<'a> {
         table: &'a ShadeTable,
         effects: &'a Effects,
     },
+    /// Values, of which each ray shows one.
+    Values {
+        table: &'a ShadeTable,
+        values: &'a ValueLook,
+    },
+}
+
+/// Colours of values that are shown by themselves.
+#[derive(Debug)]
+pub(crate) struct ValueLook {
+    pub kept: Kept,
+    /// The transfer function at equally spaced values.
+    pub nodes: Vec<[f32; 4]>,
+    /// World length over which a value's opacity is taken.
+    pub unit_distance: f32,
 }
 
 impl Look<'_> {
     pub(crate) fn mode(&self) -> CloudMode {
         match self {
             Self::Colors { .. } => CloudMode::Colors,
+            Self::Values { values, .. } => CloudMode::Values(values.kept),
             Self::Field { effects, .. } if effects.is_none() => CloudMode::Field,
             Self::Field { .. } => CloudMode::FieldEffects,
         }
     }
 
     /// The text of its operators.
-    pub(crate) fn operators(&self) -> &Arc<str> {
+    pub(crate) fn operators(&self) -> Arc<str> {
+        match self.effects() {
+            [_, Some(effects)] => Arc::clone(&effects.operators),
+            _ => Arc::default(),
+        }
+    }
+
+    /// The transfer function as its shaders look it up.
+    pub(crate) fn table(&self) -> &[[f32; 4]] {
         match self {
-            Self::Colors { clips } => &clips.operators,
-            Self::Field { effects, .. } => &effects.operators,
+            Self::Colors { .. } => &[],
+            Self::Field { table, .. } => table.cells(),
+            Self::Values { values, .. } => &values.nodes,
         }
     }
 
     /// Clips that leave splats out, and clips and isosurfaces of intervals.
-    fn effects(&self) -> [Option<&Effects>; 2] {
+    pub(super) fn effects(&self) -> [Option<&Effects>; 2] {
         match self {
             Self::Colors { clips } => [Some(clips), None],
             Self::Field { effects, .. } => [None, Some(effects)],
+            Self::Values { .. } => [None; 2],
         }
     }
 }
@@ -161,6 +187,11 @@ impl View {
                 lit: u32::from(settings.lighting.is_some() && !cloud.gradients.is_empty()),
                 ..FrameData::zeroed()
             },
+            Look::Values { table, values } => FrameData {
+                hull: table.hull,
+                unit_distance: values.unit_distance,
+                ..FrameData::zeroed()
+            },
             Look::Field { table, .. } => FrameData {
                 lit: u32::from(settings.lighting.is_some()),
                 hull: table.hull,
@@ -179,6 +210,7 @@ impl View {
             gradient_from_lattice: gradients(&camera_from_local),
             hull: shown.hull,
             densest: shown.densest,
+            unit_distance: shown.unit_distance,
             lit: shown.lit,
             ..FrameData::seen(settings, &Rays::new(&screen))
         };

@@ -8,6 +8,29 @@ use crate::mode::{CloudMode, cloud_shaders};
 use crate::pass::Pass;
 use crate::sort::Sorter;
 
+/// Passes over a cloud's planes.
+#[derive(Debug)]
+pub(crate) struct CloudMarch {
+    pub march: Pass,
+    /// From what rays kept to colours.
+    pub settle: Option<Pass>,
+}
+
+impl CloudMarch {
+    /// Compiles the passes of a mode. `operators`: the function `operate` of a mesh with effects.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn new(gpu: &GpuDevice, mode: CloudMode, operators: &str) -> Result<Self, SceneError> {
+        let (text, constants) = (mode.text(operators), mode.constants());
+        let entry = |name| Pass::new(gpu, (name, &text), &constants);
+        gpu.scoped(|_| Self {
+            march: entry("march"),
+            settle: mode.settles().then(|| entry("settle")),
+        })
+    }
+}
+
 /// Compiled passes.
 #[derive(Debug)]
 pub(crate) struct CloudPasses {
@@ -54,7 +77,7 @@ impl CloudPasses {
     pub(crate) fn planes(&self, mode: CloudMode) -> &Pass {
         match mode {
             CloudMode::Colors => &self.planes_of_colors,
-            CloudMode::Field | CloudMode::FieldEffects => &self.planes_of_values,
+            CloudMode::Field | CloudMode::FieldEffects | CloudMode::Values(_) => &self.planes_of_values,
         }
     }
 }

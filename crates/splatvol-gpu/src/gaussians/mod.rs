@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | project | `gaussians/project` | Gaussians, page by page | ellipses with colours; keys: their depths |
 //! | order | `sort/radix`, `sort/scan` | keys | splats by depth, equal ones by index |
-//! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 16 x 16 pixels and a splat, sorted by tile |
+//! | list | `footprints/pairs` | splats by depth | pairs of a tile of 16 x 16 pixels and a splat, sorted by tile |
 //! | composite | `gaussians/composite` | lists | linear colour, transmittance, depth; a workgroup per tile |
 //! | resolve | - | these | a frame |
 
@@ -25,24 +25,18 @@ use splatvol_core::cloud_view::{
     UNSEEN_ALPHA,
 };
 use splatvol_core::engine::{Shot, StageSeconds, Task};
-use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneError};
+use splatvol_scene::{Compositing, Content, Frame, Gaussians, SceneError};
 
 use self::attributes::Attributes;
 use self::background::displayed;
-pub(crate) use self::view::ViewData;
 use self::view::{DepthKeys, view};
 use crate::device::GpuDevice;
+use crate::footprints::{self, BATCH, Footprints, ListPasses, SPLAT, TileLists, VIEW, ViewData};
 use crate::march::Canvas;
-use crate::pass::{Pass, groups, numbers, uniform};
-use crate::sort::{LISTS, ListsData, Pairs, Sorter};
+use crate::pass::{Pass, groups, uniform};
 
-const SPLAT: &str = include_str!("../../shaders/gaussians/splat.wgsl");
 const PROJECT: &str = include_str!("../../shaders/gaussians/project.wgsl");
-const PAIRS: &str = include_str!("../../shaders/gaussians/pairs.wgsl");
 const COMPOSITE: &str = include_str!("../../shaders/gaussians/composite.wgsl");
-
-/// Bytes of a projected splat.
-const SPLAT_BYTES: u64 = 48;
 
 /// A picture of splats: `Picture` in WGSL.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -55,12 +49,11 @@ pub(crate) struct PictureData {
     pub background: [f32; 4],
 }
 
-/// The texts of the passes: project, pairs, composite.
-pub(crate) fn shaders() -> [String; 3] {
+/// The texts of the passes: project, composite.
+pub(crate) fn shaders() -> [String; 2] {
     [
-        [SPLAT, PROJECT].join("\n"),
-        [SPLAT, LISTS, PAIRS].join("\n"),
-        [SPLAT, COMPOSITE].join("\n"),
+        [SPLAT, VIEW, PROJECT].join("\n"),
+        [SPLAT, BATCH, COMPOSITE].join("\n"),
     ]
 }
 
@@ -105,11 +98,8 @@ pub(crate) fn published<'a>(shot: &Shot<'a>) -> Result<Option<Clouds<'a>>, Scene
 #[derive(Debug)]
 pub(crate) struct GaussianEngine {
     project: Pass,
-    count_tiles: Pass,
-    emit: Pass,
-    find_ranges: Pass,
     composite: Pass,
-    sorter: Sorter,
+    lists: ListPasses,
     attributes: Attributes,
     /// Bytes of the last frame's splats and lists.
     transient: usize,
@@ -122,28 +112,24 @@ impl GaussianEngine {
     /// A driver that refuses a shader.
     pub(crate) fn new(gpu: &GpuDevice) -> Result<Self, SceneError> {
         gpu.scoped(|gpu| {
-            let [project, pairs, composite] = shaders();
-            let lists = [("LOG2_255", f64::from(LOG2_255))];
+            let [project, composite] = shaders();
+            let least = ("LOG2_255", f64::from(LOG2_255));
             let of_project = [
-                lists[0],
+                least,
                 ("LEAST_ALPHA", f64::from(LEAST_ALPHA)),
                 ("UNSEEN_ALPHA", f64::from(UNSEEN_ALPHA)),
                 ("LEAST_SPREAD", f64::from(LEAST_SPREAD)),
                 ("LEAST_RATIO", f64::from(LEAST_RATIO)),
             ];
             let of_composite = [
-                lists[0],
+                least,
                 ("MOST_ALPHA", f64::from(MOST_ALPHA)),
                 ("LEAST_TRANSMITTANCE", f64::from(LEAST_TRANSMITTANCE)),
             ];
-            let pair = |entry| Pass::new(gpu, (entry, &pairs), &lists);
             Self {
                 project: Pass::new(gpu, ("project", &project), &of_project),
-                count_tiles: pair("count_tiles"),
-                emit: pair("emit"),
-                find_ranges: pair("find_ranges"),
                 composite: Pass::new(gpu, ("composite", &composite), &of_composite),
-                sorter: Sorter::new(gpu),
+                lists: ListPasses::new(gpu),
                 attributes: Attributes::default(),
                 transient: 0,
             }
@@ -171,25 +157,17 @@ impl GaussianEngine {
         let count = room_for(gpu, clouds)?;
         self.attributes.upload(gpu, clouds)?;
         task.go_on()?;
-        let mut splats = gpu.scoped(|gpu| Splats {
-            projected: gpu.buffer(
-                "splats",
-                u64::from(count.max(1)) * SPLAT_BYTES,
-                wgpu::BufferUsages::STORAGE,
-            ),
-            order: Pairs::new(gpu, count),
-            size: shot.settings.size,
-        })?;
+        let mut splats = gpu.scoped(|gpu| Footprints::new(gpu, count, shot.settings.size))?;
         gpu.scoped(|gpu| self.project(gpu, (clouds, shot), &mut splats))?;
         task.go_on()?;
         task.report(0.4);
-        let lists = self.list(gpu, &splats).await?;
+        let lists = self.lists.list(gpu, &splats, "a Gaussian").await?;
         let bin = start.elapsed().as_secs_f64();
         task.go_on()?;
         task.report(0.7);
         let background = displayed(shot.scene.background);
         gpu.scoped(|gpu| self.composite(gpu, (&splats, &lists), background, canvas))?;
-        self.transient = splats.order.bytes() + lists.pairs.bytes() + splats.projected.size() as usize;
+        self.transient = splats.bytes() + lists.pairs.bytes();
         canvas.resolve(gpu, frame, background[3]).await?;
         Ok(StageSeconds {
             bin,
@@ -199,7 +177,7 @@ impl GaussianEngine {
     }
 
     /// Projects all clouds, and sorts the splats by depth.
-    fn project(&self, gpu: &GpuDevice, (clouds, shot): (&Clouds<'_>, &Shot<'_>), splats: &mut Splats) {
+    fn project(&self, gpu: &GpuDevice, (clouds, shot): (&Clouds<'_>, &Shot<'_>), splats: &mut Footprints) {
         let mut commands = gpu.commands();
         let mut before = 0;
         let views: Vec<ViewData> = clouds
@@ -235,78 +213,17 @@ impl GaussianEngine {
                 before += page.count;
             }
         }
-        self.sorter
+        self.lists
+            .sorter
             .run(gpu, &mut commands, (&mut splats.order, keys.bits()));
         gpu.queue.submit([commands.finish()]);
-    }
-
-    /// Makes the lists of tiles.
-    async fn list(&self, gpu: &GpuDevice, splats: &Splats) -> Result<Lists, SceneError> {
-        let count = splats.order.count;
-        let mut sizes = ListsData {
-            splats: count,
-            pairs: 0,
-            columns: splats.columns(),
-            per_tile: 1,
-        };
-        let counts = gpu.scoped(|gpu| {
-            let counts = numbers(gpu, "pairs per splat", count + 1);
-            let mut commands = gpu.commands();
-            let data = uniform(gpu, &sizes);
-            let bound = [
-                (7, &data),
-                (1, &splats.projected),
-                (2, &splats.order.values),
-                (3, &counts),
-            ];
-            self.count_tiles
-                .run(gpu, &mut commands, &bound, groups(count, 256));
-            self.sorter.scanner.run(gpu, &mut commands, (&counts, count + 1));
-            gpu.queue.submit([commands.finish()]);
-            counts
-        })?;
-        sizes.pairs = gpu.number(&counts, count).await?;
-        let largest = gpu.device.limits().max_storage_buffer_binding_size;
-        if 4 * u64::from(sizes.pairs) > largest {
-            return Err(gpu.failed(&format_args!(
-                "{} pairs of a Gaussian and a tile are more than its largest buffer holds",
-                sizes.pairs
-            )));
-        }
-        gpu.scoped(|gpu| self.fill(gpu, (splats, &counts), sizes))
-    }
-
-    /// Fills the lists of tiles in.
-    fn fill(&self, gpu: &GpuDevice, (splats, counts): (&Splats, &wgpu::Buffer), sizes: ListsData) -> Lists {
-        let tiles = sizes.columns * splats.rows();
-        let mut pairs = Pairs::new(gpu, sizes.pairs);
-        let ranges = numbers(gpu, "ranges of tiles", 2 * tiles);
-        let data = uniform(gpu, &sizes);
-        let mut commands = gpu.commands();
-        let bound = [
-            (7, &data),
-            (1, &splats.projected),
-            (2, &splats.order.values),
-            (3, counts),
-            (4, &pairs.keys),
-            (5, &pairs.values),
-        ];
-        self.emit
-            .run(gpu, &mut commands, &bound, groups(sizes.splats, 256));
-        let bits = u32::BITS - tiles.saturating_sub(1).leading_zeros();
-        self.sorter.run(gpu, &mut commands, (&mut pairs, bits));
-        let bound = [(7, &data), (4, &pairs.keys), (6, &ranges)];
-        self.find_ranges
-            .run(gpu, &mut commands, &bound, groups(sizes.pairs, 256));
-        gpu.queue.submit([commands.finish()]);
-        Lists { pairs, ranges }
     }
 
     /// Composites the lists' splats over a background.
     fn composite(
         &self,
         gpu: &GpuDevice,
-        (splats, lists): (&Splats, &Lists),
+        (splats, lists): (&Footprints, &TileLists),
         background: [f32; 4],
         canvas: &Canvas,
     ) {
@@ -336,44 +253,11 @@ impl GaussianEngine {
     }
 }
 
-/// Projected splats, and their order.
-struct Splats {
-    projected: wgpu::Buffer,
-    order: Pairs,
-    size: ImageSize,
-}
-
-impl Splats {
-    /// Tiles along x.
-    fn columns(&self) -> u32 {
-        self.size.width().div_ceil(REFERENCE_TILE)
-    }
-
-    /// Tiles along y.
-    fn rows(&self) -> u32 {
-        self.size.height().div_ceil(REFERENCE_TILE)
-    }
-}
-
-/// Lists of the tiles.
-struct Lists {
-    pairs: Pairs,
-    ranges: wgpu::Buffer,
-}
-
 /// Number of Gaussians.
 ///
 /// # Errors
 /// More than the device has room for.
 pub(crate) fn room_for(gpu: &GpuDevice, clouds: &Clouds<'_>) -> Result<u32, SceneError> {
     let count: usize = clouds.iter().map(|(own, _)| own.len()).sum();
-    let most = gpu.device.limits().max_storage_buffer_binding_size / SPLAT_BYTES;
-    u32::try_from(count)
-        .ok()
-        .filter(|&count| u64::from(count) <= most)
-        .ok_or_else(|| {
-            gpu.failed(&format_args!(
-                "{count} Gaussians are more than the {most} that its largest buffer holds"
-            ))
-        })
+    footprints::room_for(gpu, count, "Gaussians")
 }

@@ -1,36 +1,11 @@
-//! View: a cloud before a camera, as shaders read it.
+//! View: Gaussians before a camera, and the keys of their depths.
 
-use bytemuck::{Pod, Zeroable};
 use glam::DAffine3;
 use splatvol_core::cloud_view::{CloudView, LowPass, PUBLISHED_LOW_PASS, PUBLISHED_NEAR, near_of_gaussians};
 use splatvol_core::engine::Shot;
 use splatvol_scene::Gaussians;
 
-/// A cloud before a camera: `View` in WGSL.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct ViewData {
-    pub eye: [f32; 3],
-    pub near: f32,
-    pub eye_rest: [f32; 3],
-    pub scale: f32,
-    pub to_x: [f32; 3],
-    pub low_pass: f32,
-    pub to_y: [f32; 3],
-    pub is_perspective: u32,
-    pub to_z: [f32; 3],
-    pub degree: u32,
-    pub direction: [f32; 3],
-    pub is_antialiased: u32,
-    pub centre: [f32; 2],
-    pub tangent_limit: [f32; 2],
-    pub reference_tiles: [f32; 2],
-    pub count: u32,
-    pub before: u32,
-    pub first_key: u32,
-    pub unseen_key: u32,
-    pub unused: [u32; 2],
-}
+use crate::footprints::ViewData;
 
 /// A cloud before the camera; page and count are left open.
 pub(super) fn view(own: &Gaussians, world_from_item: &DAffine3, shot: &Shot<'_>) -> ViewData {
@@ -43,28 +18,11 @@ pub(super) fn view(own: &Gaussians, world_from_item: &DAffine3, shot: &Shot<'_>)
         camera,
         LowPass::Added(PUBLISHED_LOW_PASS),
     );
-    let [to_x, to_y, to_z] = view.camera_from_local;
     ViewData {
-        eye: view.eye[0],
-        near: view.near,
-        eye_rest: view.eye[1],
-        scale: view.scale,
-        to_x,
         low_pass: PUBLISHED_LOW_PASS,
-        to_y,
-        is_perspective: u32::from(view.perspective),
-        to_z,
         degree: own.degree(),
-        direction: view.direction.unwrap_or_default(),
         is_antialiased: u32::from(own.antialiased()),
-        centre: view.centre,
-        tangent_limit: view.tangent_limit,
-        reference_tiles: view.reference_tiles.map(|n| n as f32),
-        count: 0,
-        before: 0,
-        first_key: 0,
-        unseen_key: u32::MAX,
-        unused: [0; 2],
+        ..ViewData::new(&view)
     }
 }
 

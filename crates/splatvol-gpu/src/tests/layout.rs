@@ -6,11 +6,11 @@ use naga::TypeInner;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::atlas::{ASSEMBLE, AssemblyData};
-use crate::clouds::{CloudData, KernelData, PartData, SPLAT_BYTES};
-use crate::gaussians::{PictureData, ViewData, shaders};
+use crate::clouds::{CloudData, KernelData, PartData, ProfileData, SPLAT_BYTES, TilesData};
+use crate::footprints::{FOOTPRINT_BYTES, ViewData, pairs_shader};
+use crate::gaussians::{PictureData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
-use crate::mode::{CloudMode, classify_shader, cloud_shaders, mixture_shader};
-use crate::mode::{Kept, Mode};
+use crate::mode::{CloudMode, Kept, Mode, classify_shader, cloud_shaders, integral_shaders, mixture_shader};
 use crate::operators::{self, Operators};
 use crate::pipelines::{CLEAR, cull_shader};
 use crate::sort::{DigitData, ListsData, RADIX, SCAN, ScanData};
@@ -45,7 +45,12 @@ fn plain() -> std::sync::Arc<str> {
 
 /// The texts of all passes over planes, of whole volumes that are drawn alone.
 fn shaders_of_planes() -> Vec<String> {
-    let clouds = [CloudMode::Colors, CloudMode::Field, CloudMode::FieldEffects];
+    let clouds = [
+        CloudMode::Colors,
+        CloudMode::Field,
+        CloudMode::FieldEffects,
+        CloudMode::Values(Kept::Mean),
+    ];
     [cull_shader(), classify_shader(), mixture_shader()]
         .into_iter()
         .chain(clouds.map(|mode| mode.text(&plain())))
@@ -92,6 +97,8 @@ pub(super) fn every_shader() -> Vec<String> {
         .into_iter()
         .chain(operated)
         .chain(shaders())
+        .chain(integral_shaders())
+        .chain([pairs_shader()])
         .chain(small)
         .collect()
 }
@@ -146,7 +153,8 @@ fn layouts_of_gaussians_and_of_sorting_agree() {
         members(&assemble, "Assembly"),
         (wanted, size_of::<AssemblyData>() as u32)
     );
-    let [project, pairs, composite] = shaders().map(|text| valid(&text));
+    let [project, composite] = shaders().map(|text| valid(&text));
+    let pairs = valid(&pairs_shader());
     let wanted = offsets!(ViewData: eye near eye_rest scale to_x low_pass to_y is_perspective to_z degree direction
         is_antialiased centre tangent_limit reference_tiles count before first_key unseen_key unused);
     assert_eq!(members(&project, "View"), (wanted, size_of::<ViewData>() as u32));
@@ -165,6 +173,18 @@ fn layouts_of_gaussians_and_of_sorting_agree() {
     assert_eq!(
         members(&composite, "Picture"),
         (wanted, size_of::<PictureData>() as u32)
+    );
+    assert_eq!(u64::from(members(&composite, "Splat").1), FOOTPRINT_BYTES);
+    let [project, integrate] = integral_shaders().map(|text| valid(&text));
+    let wanted = offsets!(ProfileData: end edge height low_pass least_variance is_matched peaks_from unused);
+    assert_eq!(
+        members(&project, "Profile"),
+        (wanted, size_of::<ProfileData>() as u32)
+    );
+    let wanted = offsets!(TilesData: end edge columns unused);
+    assert_eq!(
+        members(&integrate, "Tiles"),
+        (wanted, size_of::<TilesData>() as u32)
     );
     let wanted = offsets!(DigitData: count shift blocks unused);
     assert_eq!(

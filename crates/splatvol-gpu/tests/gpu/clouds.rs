@@ -104,6 +104,13 @@ fn scene(items: impl IntoIterator<Item = Item>) -> Scene {
     Scene::of_items(items.into_iter().collect()).unwrap()
 }
 
+/// A camera in the middle of things.
+fn within() -> Camera {
+    let eye = DVec3::new(0.2, 0.1, 0.05);
+    let projection = Projection::Perspective { fov_degrees: 80.0 };
+    Camera::new(eye, eye + DVec3::new(0.4, 1.0, 0.2), DVec3::Z, projection).unwrap()
+}
+
 fn volumetric(settings: RenderSettings) -> RenderSettings {
     RenderSettings {
         gaussians: GaussianMode::Volumetric,
@@ -209,14 +216,11 @@ fn volumetric_gaussians_are_the_cpu_s() {
         }
     }
     // From within.
-    let eye = DVec3::new(0.2, 0.1, 0.05);
-    let projection = Projection::Perspective { fov_degrees: 80.0 };
-    let within = Camera::new(eye, eye + DVec3::new(0.4, 1.0, 0.2), DVec3::Z, projection).unwrap();
     let settings = volumetric(sized(RenderSettings::fast(), 64));
     let what = "gpu-volumetric-within";
     compare(
         (&mut gpu, &mut cpu),
-        (&scene, &within, &settings),
+        (&scene, &within(), &settings),
         what,
         (72.0, 0.999),
     );
@@ -310,6 +314,125 @@ fn mixtures_are_the_cpu_s() {
     }
 }
 
+/// These settings with another compositing.
+fn shown(settings: RenderSettings, compositing: Compositing) -> RenderSettings {
+    checked(FlatSettings {
+        compositing,
+        ..settings.into()
+    })
+}
+
+#[test]
+fn x_rays_are_the_cpu_s() {
+    let Some((mut gpu, mut cpu)) = both() else {
+        return;
+    };
+    let xray = |preset| volumetric(shown(sized(preset, 64), Compositing::Xray));
+    let (fast, best) = (xray(RenderSettings::fast()), xray(RenderSettings::best()));
+    let filtered = |filter| {
+        checked(FlatSettings {
+            filter,
+            ..fast.into()
+        })
+    };
+    let wide = filtered(Filter::Ewa { pixel_sigma: 0.6 });
+    let matched = filtered(Filter::Matched { pixel_sigma: 0.8 });
+    let points = || sphere(3000, false);
+    // The same footprints, but for roundings; of volumes the GPU adds up planes.
+    let same = (120.0, 1.0);
+    for (name, scene, settings, limits) in [
+        ("points", scene([points()]), fast, same),
+        ("points-best", scene([points()]), best, same),
+        ("points-wide", scene([points()]), wide, same),
+        ("gaussians", scene([gaussians(3, 400)]), fast, same),
+        ("gaussians-wide", scene([gaussians(3, 400)]), wide, same),
+        ("gaussians-matched", scene([gaussians(3, 400)]), matched, same),
+        ("mesh", scene([mesh()]), fast, same),
+        ("mesh-wide", scene([mesh()]), wide, same),
+        (
+            "together",
+            scene([mesh(), points(), gaussians(5, 150)]),
+            wide,
+            same,
+        ),
+        ("volume", scene([head(), points()]), wide, (44.0, 0.88)),
+    ] {
+        for projection in [PERSPECTIVE, PARALLEL] {
+            let camera = camera(&scene, projection);
+            let what = format!("gpu-xray-{name}");
+            compare((&mut gpu, &mut cpu), (&scene, &camera, &settings), &what, limits);
+        }
+    }
+    // From within, some kernels lie behind the eye.
+    let both = scene([gaussians(3, 400), points()]);
+    let what = "gpu-xray-within";
+    compare((&mut gpu, &mut cpu), (&both, &within(), &fast), what, same);
+}
+
+#[test]
+fn values_of_meshes_are_the_cpu_s() {
+    let Some((mut gpu, mut cpu)) = both() else {
+        return;
+    };
+    let mut scene = scene([mesh()]);
+    if let splatvol::Content::Mesh {
+        transfer_function, ..
+    } = &mut scene.items[0].content
+    {
+        // Minima are small.
+        *transfer_function = splatvol_testing::transfer::linear_extinction([-0.8, 1.3], 9.0, [0.9, 0.5, 0.2]);
+    }
+    let fast = sized(RenderSettings::fast(), 64);
+    for (compositing, settings) in [
+        (Compositing::Mip, fast),
+        (Compositing::MinimumIntensity, fast),
+        (Compositing::Mean, fast),
+        (Compositing::Mean, sized(RenderSettings::balanced(), 64)),
+    ] {
+        let settings = shown(settings, compositing);
+        for projection in [PERSPECTIVE, PARALLEL] {
+            let camera = camera(&scene, projection);
+            let what = format!("gpu-mesh-{compositing:?}");
+            let limits = (80.0, 0.999);
+            compare((&mut gpu, &mut cpu), (&scene, &camera, &settings), &what, limits);
+        }
+    }
+}
+
+/// What rays keep does not depend on what was drawn before either, nor on the parts of a picture.
+#[test]
+fn kept_values_are_repeated_to_the_bit() {
+    let Some(mut gpu) = gpu() else { return };
+    let divided = GpuConfig {
+        samples_per_dispatch: Some(1),
+        ..GpuConfig::default()
+    };
+    let mut divided = gpu_of(&divided).unwrap();
+    let fast = volumetric(sized(RenderSettings::fast(), 32));
+    let everything = scene([head(), sphere(2000, false), gaussians(5, 150), mesh()]);
+    let alone = scene([mesh()]);
+    let of = |compositing| shown(fast, compositing);
+    let pictures = [
+        (&everything, of(Compositing::Xray)),
+        (&alone, of(Compositing::Mip)),
+        (&alone, of(Compositing::Mean)),
+        (&alone, of(Compositing::Xray)),
+        (&alone, fast),
+    ];
+    let camera = camera(&everything, PERSPECTIVE);
+    let all =
+        |gpu: &mut Renderer| pictures.map(|(scene, settings)| gpu.render(scene, &camera, &settings).unwrap());
+    let first = all(&mut gpu);
+    for again in [all(&mut gpu), all(&mut divided)] {
+        for (at, (own, other)) in first.iter().zip(&again).enumerate() {
+            assert!(
+                own.image.pixels == other.image.pixels && own.depth == other.depth,
+                "{at}"
+            );
+        }
+    }
+}
+
 /// Nothing depends on what was drawn before, nor on the bands and intervals of a picture.
 #[test]
 fn pictures_are_repeated_to_the_bit() {
@@ -386,9 +509,10 @@ fn what_is_not_drawn_is_refused_by_name() {
     let best = sized(RenderSettings::best(), 16);
     let points = scene([sphere(100, false)]);
     let meshes = scene([mesh()]);
+    let two = scene([mesh(), head()]);
     for (scene, settings, word) in [
-        (&points, of(Compositing::Xray, post), "X-rays"),
-        (&meshes, of(Compositing::Mip, post), "maxima"),
+        (&points, of(Compositing::Mip, post), "maxima"),
+        (&two, of(Compositing::Mip, post), "maxima"),
         (&points, of(Compositing::PerSplat, pre), "sheets"),
         (&meshes, best, "gradient"),
     ] {
@@ -396,10 +520,17 @@ fn what_is_not_drawn_is_refused_by_name() {
         let error = gpu.render(scene, &camera, &settings).unwrap_err().to_string();
         assert!(error.contains(word), "{word}: {error}");
     }
-    let mut clipped = points.clone();
     let plane = Clip::plane(DVec3::ZERO, [1.0, 0.0, 0.0]).unwrap();
-    clipped.items[0].clips.push(plane);
     let camera = camera(&points, PERSPECTIVE);
+    let mut clipped = scene([head(), sphere(100, false)]);
+    clipped.clips.push(plane.clone());
+    let error = gpu
+        .render(&clipped, &camera, &of(Compositing::Xray, pre))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("a clip in X-rays"), "{error}");
+    let mut clipped = points.clone();
+    clipped.items[0].clips.push(plane);
     let error = gpu.render(&clipped, &camera, &fast).unwrap_err().to_string();
     assert!(error.contains("clip"), "{error}");
     let mut moving = points.clone().with_motion(&Motion::Linear(DVec3::X));

@@ -1,13 +1,13 @@
-// A Gaussian on the screen, as `splatvol_cpu::splats::project` has it.
+// Splat: a footprint on the screen, whatever it is of, as `splatvol_cpu::splats::project` has it.
 
 struct Splat {
     // Pixels.
     centre: vec2<f32>,
-    // Exponent to base 2: conic . (dx^2, dx dy, dy^2) + peak.
+    // Exponent to base 2: conic . (dx^2, dx dy, dy^2). In the middle: a logarithm to base 2 of the opacity, or an optical depth.
     conic_xx_xy: vec2<f32>,
     conic_yy: f32,
     peak: f32,
-    // Display colour.
+    // Display colour, or linear light.
     red_green: vec2<f32>,
     blue: f32,
     // Camera depth.
@@ -19,8 +19,6 @@ struct Splat {
 
 // Pixels along an edge of the published renderer's tiles, each of which has a list.
 override REFERENCE_TILE: u32 = 16u;
-// log2(255).
-override LOG2_255: f32;
 
 fn first_of(range: u32) -> u32 {
     return range & 0xffffu;
