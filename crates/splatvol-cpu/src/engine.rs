@@ -10,6 +10,7 @@ use crate::check::check;
 use crate::classic::ClassicEngine;
 use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
+use crate::integrals;
 use crate::items::ItemStore;
 use crate::meshes::MeshStore;
 use crate::pool::Pool;
@@ -34,6 +35,8 @@ pub struct CpuEngine {
     items: ItemStore,
     /// Clouds of post-classified meshes.
     meshes: MeshStore,
+    /// The X-ray of one thing of several.
+    part: Option<Frame>,
 }
 
 impl CpuEngine {
@@ -75,6 +78,7 @@ impl CpuEngine {
             splats: SplatEngine::default(),
             items: ItemStore::default(),
             meshes: MeshStore::default(),
+            part: None,
         })
     }
 
@@ -107,6 +111,54 @@ impl CpuEngine {
             clips: &shot.scene.clips,
         };
         self.sheets.render_layers(run, &scene, view, (frame, start))
+    }
+
+    /// Renders X-rays of several things, each by itself, and adds them up.
+    fn render_integrals(
+        &mut self,
+        run: Run<'_>,
+        parts: &Parts<'_>,
+        (shot, own): (Shot<'_>, &RenderSettings<SheetSettings>),
+        frame: &mut Frame,
+    ) -> Result<RenderStatistics, SceneError> {
+        let Parts { volumes, rest, .. } = parts;
+        let count = volumes.len() + usize::from(!rest.items.is_empty());
+        let mut statistics = RenderStatistics::default();
+        let mut part = self.part.take();
+        for at in 0..count {
+            let share = |done: f64| (run.task.progress)((at as f64 + done) / count as f64);
+            let task = Task {
+                progress: &share,
+                ..run.task
+            };
+            let run = Run { task, ..run };
+            let target = match at {
+                0 => &mut *frame,
+                _ => match part.take().filter(|part| part.image.size() == frame.image.size()) {
+                    Some(kept) => part.insert(kept),
+                    None => part.insert(frame.clone()),
+                },
+            };
+            let found = match volumes.get(at) {
+                Some(volume) => {
+                    let own = volume.settings(own);
+                    self.sheets.render(run, volume, (shot.camera, &own), target)?
+                }
+                None => self.render_splats(run, &SplatScene::of_depths(rest), shot, target)?,
+            };
+            task.go_on()?;
+            if let Some(part) = part.as_ref().filter(|_| at > 0) {
+                run.pool.install(|| integrals::add(frame, part));
+            }
+            let all = statistics.chunks.all + found.chunks.all;
+            statistics = statistics.plus(&found);
+            statistics.chunks.all = all;
+        }
+        self.part = part;
+        Ok(RenderStatistics {
+            engine: "sheets",
+            ..statistics
+        })
     }
 
     /// Renders splats one by one.
@@ -162,6 +214,10 @@ impl Engine for CpuEngine {
             settings,
         } = shot;
         let route = Route::of(scene, settings, &mut self.placed)?;
+        self.sheets.beside = match &route {
+            Route::Integrals(parts, _) => parts.distinct_volumes(),
+            _ => Vec::new(),
+        };
         let pool = self.pool.clone();
         let run = Run {
             pool: &pool,
@@ -175,6 +231,7 @@ impl Engine for CpuEngine {
             Route::Volume(volume, own) => self.sheets.render(run, volume, (camera, own), frame)?,
             Route::Classic(volume, own) => self.classic.render(run, volume, (camera, own), frame)?,
             Route::Layers(parts, own) => self.render_layers(run, parts, (shot, own), frame)?,
+            Route::Integrals(parts, own) => self.render_integrals(run, parts, (shot, own), frame)?,
             Route::Splats(splats) => self.render_splats(run, splats, shot, frame)?,
         };
         task.go_on()?;

@@ -25,6 +25,7 @@ mod classic;
 mod clouds;
 mod config;
 mod engine;
+mod integrals;
 mod items;
 mod meshes;
 #[doc(hidden)]

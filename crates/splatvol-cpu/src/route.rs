@@ -6,6 +6,7 @@
 //! | one volume, wherever it lies | `sheets`; or `classic`, where the method is splats |
 //! | everything else on sheets | `sheets`: every volume and mesh a layer, and all the rest one more, a cloud |
 //! | one mesh, each ray showing one of its values | `sheets`, as a layer |
+//! | X-rays of volumes among others | `sheets`, each volume by itself, and `splats`, all the rest as one cloud: optical depths add up |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.
@@ -34,6 +35,8 @@ pub(crate) enum RenderLoop<'a> {
     Published,
     /// To the sheets, as layers.
     Layers(RenderSettings<SheetSettings>),
+    /// To the sheets and to the splats, whose X-rays add up.
+    Integrals(RenderSettings<SheetSettings>),
     /// Splat by splat, as one cloud.
     Splats,
 }
@@ -54,15 +57,14 @@ impl<'a> RenderLoop<'a> {
                 Self::Classic(single, own)
             }
             (Err(_), Method::Sheets(sheets)) => {
-                let on_planes = match sheets.shows {
-                    Shows::Material(_) => true,
-                    Shows::Xray => false,
-                    Shows::Mip | Shows::MinimumIntensity | Shows::Mean => is_mesh(scene),
-                };
-                if on_planes {
-                    Self::Layers(settings.with(sheets))
-                } else {
-                    Self::Splats
+                let own = settings.with(sheets);
+                match sheets.shows {
+                    Shows::Material(_) => Self::Layers(own),
+                    Shows::Xray if scene.items.iter().any(|item| own_layer(item).is_some()) => {
+                        Self::Integrals(own)
+                    }
+                    Shows::Mip | Shows::MinimumIntensity | Shows::Mean if is_mesh(scene) => Self::Layers(own),
+                    _ => Self::Splats,
                 }
             }
             (Err(_), Method::Splats(_)) => Self::Splats,
@@ -78,6 +80,8 @@ pub(crate) enum Route<'a> {
     Classic(VolumeScene<'a>, RenderSettings<SplatSettings>),
     /// Volumes and meshes in world space, and all other items as one cloud.
     Layers(Parts<'a>, RenderSettings<SheetSettings>),
+    /// Volumes in world space, and all other items as one cloud, whose X-rays add up.
+    Integrals(Parts<'a>, RenderSettings<SheetSettings>),
     /// Whole splats, composited one by one.
     Splats(SplatScene<'a>),
 }
@@ -90,6 +94,19 @@ pub(crate) struct Parts<'a> {
     pub meshes: Vec<MeshScene<'a>>,
     /// Content that is classified already; shares one layer.
     pub rest: Scene,
+}
+
+impl Parts<'_> {
+    /// The volumes, each once.
+    pub(crate) fn distinct_volumes(&self) -> Vec<Arc<Volume>> {
+        let mut distinct: Vec<Arc<Volume>> = Vec::new();
+        for VolumeScene { volume, .. } in &self.volumes {
+            if !distinct.iter().any(|known| Arc::ptr_eq(known, volume)) {
+                distinct.push(Arc::clone(volume));
+            }
+        }
+        distinct
+    }
 }
 
 /// One volume as input of the sheet engine.
@@ -207,6 +224,7 @@ impl<'a> Route<'a> {
             }
             RenderLoop::Published => Ok(Self::Splats(SplatScene::published(scene))),
             RenderLoop::Layers(own) => Ok(Self::Layers(parts(scene, &own, volumes)?, own)),
+            RenderLoop::Integrals(own) => Ok(Self::Integrals(parts(scene, &own, volumes)?, own)),
             RenderLoop::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }

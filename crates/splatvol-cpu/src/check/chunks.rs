@@ -29,7 +29,7 @@ pub(super) fn whole(items: &[Item]) -> Result<(), SceneError> {
     match items.iter().any(is_chunked) {
         true => Err(SceneError::Combination {
             what: WHAT,
-            why: "only image sheets, of one volume or of several that are composited, are drawn from chunks; read the volume whole",
+            why: "only image sheets are drawn from chunks, composited, as X-rays, or as values of one volume; read the volume whole",
         }),
         false => Ok(()),
     }

@@ -10,6 +10,9 @@ use splatvol_scene::{
 use super::{ONE_VALUE, asked, asked_of, volume};
 use crate::route::own_layer;
 
+const WHOLE_SPLATS: &str =
+    "whole splats are drawn one by one, classified first, without it; use image sheets";
+
 /// Rejects settings that the published Gaussian renderer does not support.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
     let refuse = |why| {
@@ -83,6 +86,29 @@ fn mesh(scene: &Scene, item: &Item, sheets: &SheetSettings) -> Result<(), SceneE
     }
 }
 
+/// Rejects settings that X-rays of volumes among others do not support. Volumes keep what they support alone.
+pub(super) fn integrals(
+    scene: &Scene,
+    (settings, sheets): (&RenderSettings, &SheetSettings),
+) -> Result<(), SceneError> {
+    footprints_in_motion(scene, settings)?;
+    for item in &scene.items {
+        match own_layer(item) {
+            Some(single) => volume::on_sheets(scene, &single, &sheets.of_labels(single.labels))?,
+            None => match asked_of(std::slice::from_ref(item), &scene.clips) {
+                Some(what) => {
+                    return Err(SceneError::Combination {
+                        what,
+                        why: WHOLE_SPLATS,
+                    });
+                }
+                None => {}
+            },
+        }
+    }
+    Ok(())
+}
+
 /// Rejects settings that whole splats do not support.
 pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
     let compositing = settings.method.compositing();
@@ -109,10 +135,7 @@ pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
         one_volume(splats)?;
     }
     footprints_in_motion(scene, settings)?;
-    nothing_asked(
-        scene,
-        "whole splats are drawn one by one, classified first, without it; use image sheets",
-    )
+    nothing_asked(scene, WHOLE_SPLATS)
 }
 
 /// Error for a scene of several items whose settings need sections of footprints; names the first such setting.

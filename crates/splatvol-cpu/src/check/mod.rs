@@ -54,6 +54,13 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
                 chunks::on_sheets(item, &own.method)?;
             }
         }
+        RenderLoop::Integrals(own) => {
+            settings.validate()?;
+            cloud::integrals(scene, (settings, &own.method))?;
+            for item in &scene.items {
+                chunks::on_sheets(item, &own.method)?;
+            }
+        }
         RenderLoop::Splats => {
             chunks::whole(&scene.items)?;
             cloud::splats(scene, settings)?;

@@ -1,11 +1,13 @@
 //! Sheet engine: renders frames from cached state. A new camera costs only a frame, a new transfer function only
 //! the parts that it changes, a new volume everything.
 
+use std::sync::Arc;
+
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, GridView, Ramp, Sampling};
-use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows};
+use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::analytic::{Analytic, Sums};
 use super::blocks::{self, Needs, Room};
@@ -35,6 +37,8 @@ use splatvol_core::prepared::PreparedVolumes;
 #[derive(Debug, Default)]
 pub(crate) struct SheetEngine {
     pub(super) prepared: PreparedVolumes,
+    /// Volumes that are drawn one after the other for one picture: none of them is given up for another.
+    pub(crate) beside: Vec<Arc<Volume>>,
     /// Of the level that is drawn, and of the next where both are.
     plans: [GridPlan; 2],
     pub(super) cloud: CloudPlan,
@@ -75,11 +79,13 @@ impl SheetEngine {
         let edge = run.tile_edge.unwrap_or(TILE_EDGE);
         let Self {
             prepared: kept,
+            beside,
             plans,
             memory,
             ..
         } = self;
-        let [pyramid, ..] = kept.of_scene(std::iter::once(&scene.volume), settings) else {
+        let volumes = std::iter::once(&scene.volume).chain(others(beside, &scene.volume));
+        let [pyramid, ..] = kept.of_scene(volumes, settings) else {
             return Ok(());
         };
         let wanted = Wanted::of(settings);
@@ -88,7 +94,7 @@ impl SheetEngine {
             held: run.task.held(settings.size),
             threads: run.pool.current_num_threads(),
             tile_edge: edge,
-            volumes: 1,
+            volumes: beside.len().max(1),
             levels: N,
         };
         let room = Room::of_picture((&scene.volume, numbers.clone()), pyramid, needs, wanted)?;
@@ -160,6 +166,11 @@ impl SheetEngine {
         }
         Ok(())
     }
+}
+
+/// Those volumes that are not this one.
+fn others<'v>(volumes: &'v [Arc<Volume>], own: &'v Arc<Volume>) -> impl Iterator<Item = &'v Arc<Volume>> {
+    volumes.iter().filter(|other| !Arc::ptr_eq(other, own))
 }
 
 /// Draws the tiles of a block, or of the whole picture.

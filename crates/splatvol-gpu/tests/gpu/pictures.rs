@@ -390,8 +390,7 @@ fn levels_behind_each_other_are_the_cpu_s() {
     }
 }
 
-/// X-rays of several volumes: optical depths are the sums of each volume's own, and pictures the CPU's, which splats kernels
-/// that are cut.
+/// X-rays of several volumes: optical depths are the sums of each volume's own, and pictures the CPU's.
 #[test]
 fn x_rays_of_volumes_add_up() {
     let Some(mut gpu) = gpu() else { return };

@@ -52,7 +52,7 @@ fn camera(volume: &Volume, from: DVec3, distance: f64, projection: Projection) -
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 30.0 };
 
-/// Six scenes: opaque, translucent, maxima, X-ray, two volumes, from close by.
+/// Seven scenes: opaque, translucent, maxima, X-ray, that of two volumes, two volumes, from close by.
 fn cases() -> Vec<Case> {
     let volume = shells();
     let other = Arc::new(Sample::Ball.generate(Some(SampleSize::Longest(60))).unwrap());
@@ -96,6 +96,12 @@ fn cases() -> Vec<Case> {
         case(
             "X-ray",
             one([0.3, 0.9], 0.1),
+            whole(PERSPECTIVE),
+            composited(Compositing::Xray),
+        ),
+        case(
+            "X-ray of two volumes",
+            two.clone(),
             whole(PERSPECTIVE),
             composited(Compositing::Xray),
         ),

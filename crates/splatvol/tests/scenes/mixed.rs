@@ -154,6 +154,62 @@ fn scaled_items_look_the_same_from_farther_away() {
     assert!(figures.psnr > 70.0, "{}", figures.psnr);
 }
 
+/// Each thing has the optical depth that it has alone, but for roundings of points seen from their edge; a volume beside nothing
+/// that is seen, the bytes.
+#[test]
+fn x_rays_add_up() {
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.4, 1.0, 0.3), 6.0, 40.0);
+    let xray = |filter| {
+        checked(FlatSettings {
+            compositing: Compositing::Xray,
+            gaussians: splatvol::GaussianMode::Volumetric,
+            filter,
+            ..unlit(96, 80).into()
+        })
+    };
+    let moved = |item: Item, x: f64| item.at(DAffine3::from_translation(DVec3::new(x, 0.2, 0.1)));
+    for settings in [xray(Filter::None), xray(Filter::Ewa { pixel_sigma: 0.5 })] {
+        let parts = [
+            fog(),
+            moved(fog(), 0.7),
+            item(sphere(2000), PointLook::default(), 0.6),
+            Item::gaussians(cloud(200, [0.02, 0.2], 7)),
+        ];
+        let alone = parts
+            .each_ref()
+            .map(|part| picture(vec![part.clone()], &camera, &settings));
+        let together = picture(parts.to_vec(), &camera, &settings);
+        let mut backwards = parts.to_vec();
+        backwards.reverse();
+        let backwards = picture(backwards, &camera, &settings);
+        for (at, (&found, &other)) in together
+            .optical_depth
+            .iter()
+            .zip(&backwards.optical_depth)
+            .enumerate()
+        {
+            let sum: f32 = alone.iter().map(|frame| frame.optical_depth[at]).sum();
+            for found in [found, other] {
+                assert!((found - sum).abs() <= 1e-3 * sum + 1e-6, "{at}: {found} {sum}");
+            }
+            let emission = |frame: &splatvol::Frame| {
+                let [r, _, _, alpha] = frame.image.pixels[at];
+                if alpha > 0.0 {
+                    r / alpha * frame.optical_depth[at]
+                } else {
+                    0.0
+                }
+            };
+            let (found, sum) = (emission(&together), alone.iter().map(emission).sum::<f32>());
+            assert!((found - sum).abs() <= 1e-3 * sum + 1e-5, "{at}: {found} {sum}");
+        }
+        let unseen = item(sphere(100), PointLook::default(), 1.0);
+        let unseen = unseen.at(DAffine3::from_translation(DVec3::new(0.0, 0.0, 500.0)));
+        let beside = picture(vec![unseen, fog()], &camera, &settings);
+        assert!(beside.image.pixels == alone[0].image.pixels && beside.depth == alone[0].depth);
+    }
+}
+
 #[test]
 fn pictures_do_not_depend_on_threads() {
     let gaussians = Item::gaussians(cloud(300, [0.02, 0.3], 3));
