@@ -23,10 +23,11 @@ pub(crate) fn add(frame: &mut Frame, other: &Frame) {
     let others = (&other.image.pixels, &other.depth, &other.optical_depth);
     own.into_par_iter().zip(others).with_min_len(TOGETHER).for_each(
         |((pixel, depth, tau), (others, others_depth, &others_tau))| {
-            if others_tau <= 0.0 {
+            // What is too thin for an opacity has no colour either.
+            if others[3] <= 0.0 {
                 return;
             }
-            if *tau <= 0.0 {
+            if pixel[3] <= 0.0 {
                 (*pixel, *depth, *tau) = (*others, *others_depth, others_tau);
                 return;
             }
@@ -88,13 +89,19 @@ mod tests {
         }
     }
 
+    /// Depths of which no opacity is left in single precision have no colour.
     #[test]
     fn nothing_changes_nothing() {
-        let (empty, mut found) = (
-            Frame::empty(ImageSize::new(3, 2).unwrap()),
-            slab(0.7, [0.1, 0.2, 0.3], 2.0),
-        );
-        add(&mut found, &empty);
-        assert_eq!(found, slab(0.7, [0.1, 0.2, 0.3], 2.0));
+        let wanted = slab(0.7, [0.1, 0.2, 0.3], 2.0);
+        let mut thin = slab(0.0, [0.0; 3], 2.0);
+        thin.optical_depth.fill(1e-12);
+        for nothing in [Frame::empty(ImageSize::new(3, 2).unwrap()), thin] {
+            let mut found = wanted.clone();
+            add(&mut found, &nothing);
+            assert_eq!(found, wanted);
+            let mut found = nothing;
+            add(&mut found, &wanted);
+            assert_eq!(found, wanted);
+        }
     }
 }

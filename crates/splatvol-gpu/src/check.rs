@@ -78,9 +78,7 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<Drawn<'a>, SceneError> {
             "points and Gaussians have no values, and those of different fields do not compare",
         );
     }
-    let is_cut =
-        |scene: &Scene| !scene.clips.is_empty() || scene.items.iter().any(|item| !item.clips.is_empty());
-    if sheets.shows == Shows::Xray && !drawn.rest.items.is_empty() && is_cut(shot.scene) {
+    if sheets.shows == Shows::Xray && !drawn.rest.items.is_empty() && !shot.scene.clips.is_empty() {
         return refuse(
             "a clip in X-rays of anything but volumes",
             "whole splats are drawn one by one, classified first, without it; use image sheets",

@@ -93,17 +93,11 @@ pub(super) fn integrals(
 ) -> Result<(), SceneError> {
     footprints_in_motion(scene, settings)?;
     for item in &scene.items {
-        match own_layer(item) {
-            Some(single) => volume::on_sheets(scene, &single, &sheets.of_labels(single.labels))?,
-            None => match asked_of(std::slice::from_ref(item), &scene.clips) {
-                Some(what) => {
-                    return Err(SceneError::Combination {
-                        what,
-                        why: WHOLE_SPLATS,
-                    });
-                }
-                None => {}
-            },
+        if let Some(single) = own_layer(item) {
+            volume::on_sheets(scene, &single, &sheets.of_labels(single.labels))?;
+        } else if let Some(what) = asked_of(std::slice::from_ref(item), &scene.clips) {
+            let why = WHOLE_SPLATS;
+            return Err(SceneError::Combination { what, why });
         }
     }
     Ok(())
