@@ -33,7 +33,7 @@ pub(crate) fn add(frame: &mut Frame, other: &Frame) {
             }
             let sum = *tau + others_tau;
             let share = others_tau / sum;
-            let alpha = -f32::exp_m1(-sum);
+            let alpha = -libm::expm1f(-sum);
             let [own, mean] = [&*pixel, others].map(|&[r, g, b, a]| [r, g, b].map(|level| level / a));
             for channel in 0..3 {
                 pixel[channel] = (own[channel] + (mean[channel] - own[channel]) * share) * alpha;
@@ -54,7 +54,7 @@ mod tests {
     /// A frame whose pixels all are slabs of these optical depths.
     fn slab(tau: f32, [r, g, b]: [f32; 3], depth: f32) -> Frame {
         let mut frame = Frame::empty(ImageSize::new(3, 2).unwrap());
-        let alpha = -f32::exp_m1(-tau);
+        let alpha = -libm::expm1f(-tau);
         frame.image.pixels.fill([r * alpha, g * alpha, b * alpha, alpha]);
         frame.depth.fill(depth);
         frame.optical_depth.fill(tau);
