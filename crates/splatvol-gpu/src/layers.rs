@@ -11,11 +11,13 @@ use splatvol_core::engine::{RenderStatistics, Shot, Task};
 use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{GridView, Rays, on_common_planes};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
-use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Shows, Volume};
+use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Volume};
 
 use crate::atlas::Atlas;
 use crate::check::Drawn;
-use crate::clouds::{CloudLayer, CloudMarch, CloudPasses, CloudStore, Integral, Look, OfMesh, Opened};
+use crate::clouds::{
+    CloudLayer, CloudMarch, CloudPasses, CloudStore, Integral, IntegralPasses, Look, OfMesh, Opened,
+};
 use crate::device::GpuDevice;
 use crate::direct::Direct;
 use crate::effects::Effects;
@@ -182,55 +184,35 @@ impl LayerStore {
                 resident: &on_device.resident[at[i]],
             })
             .collect();
-        // What rays keep of layers adds up, whatever lies before or behind.
-        let shows = placed.sheets.method.shows;
-        let gathers = matches!(shows, Shows::Material(_)) && (shown.len() > 1 || placed.has_clouds());
-        let integrates = shows == Shows::Xray && placed.has_clouds();
+        let gathers = placed.gathers();
         let passes: Vec<Passes> = layers
             .iter()
             .map(|layer| layer.passes(gpu, pipelines, gathers))
             .collect::<Result<_, _>>()?;
-        let looks = match integrates {
-            true => Vec::new(),
-            false => placed.looks(),
-        };
-        let integral_passes = match integrates {
-            true => Some(pipelines.integral(gpu)?),
-            false => None,
-        };
+        let looks = placed.looks();
+        let of_clouds = CloudPipelines::new((gpu, pipelines), placed, &looks)?;
         let mixture = match gathers {
             false => None,
             true => Some(pipelines.mixture(gpu)?),
         };
-        let cloud_passes = match looks.is_empty() {
-            true => None,
-            false => Some(pipelines.clouds(gpu)?),
-        };
-        let cloud_marches: Vec<Arc<CloudMarch>> = looks
-            .iter()
-            .map(|look| pipelines.cloud_march(gpu, (look.mode(), &look.operators())))
-            .collect::<Result<_, _>>()?;
         let shared = (gpu, &*pipelines, canvas);
         let marches: Vec<March<'_>> = layers
             .iter()
             .zip(&passes)
             .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
-        let own_spacing = views.first().map(GridView::spacing);
-        let drawn = match &cloud_passes {
-            Some(passes) => {
-                let spacing = own_spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
-                let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
-                let looks = looks.iter().zip(cloud_marches);
-                open_clouds((gpu, passes, canvas), (clouds, looks), view, task).await?
-            }
-            None => Vec::new(),
-        };
+        let spacing = views.first().map(GridView::spacing);
+        let spacing = spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
+        let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
+        let drawn = of_clouds
+            .open((gpu, canvas), (clouds, &looks), view, task)
+            .await?;
         statistics.sheets += planes_of(&marches, &drawn);
         statistics.seconds.bin += ready.elapsed().as_secs_f64();
         *cloud_bytes = match &mixture {
             None => {
-                let integral = |(passes, cloud)| Integral {
+                let passes = of_clouds.integral.as_deref();
+                let integral = passes.zip(clouds.rest()).map(|(passes, cloud)| Integral {
                     gpu,
                     passes,
                     canvas,
@@ -238,13 +220,13 @@ impl LayerStore {
                     camera,
                     settings: shot.settings,
                     sheets: &placed.sheets,
-                };
+                });
                 let direct = Direct {
                     gpu,
                     canvas,
                     volumes: &marches,
                     mesh: drawn.into_iter().next(),
-                    integral: integral_passes.as_deref().zip(clouds.rest()).map(integral),
+                    integral,
                     clear: &pipelines.clear,
                 };
                 direct.render(task, frame).await?
@@ -285,21 +267,66 @@ impl LayerStore {
     }
 }
 
-/// Opens the clouds of a scene on planes of this distance, world length.
-async fn open_clouds<'a>(
-    (gpu, passes, canvas): (&'a GpuDevice, &'a CloudPasses, &'a Canvas),
-    (clouds, looks): (&CloudStore, impl Iterator<Item = (&'a Look<'a>, Arc<CloudMarch>)>),
-    view: ((&Camera, &RenderSettings<SheetSettings>), f64),
-    task: Task<'_>,
-) -> Result<Vec<CloudLayer<'a>>, SceneError> {
-    let all = clouds.meshes().chain(clouds.rest());
-    let mut layers = Vec::new();
-    for ((look, march), cloud) in looks.zip(all) {
-        task.go_on()?;
-        let opened = Opened::new((gpu, passes), cloud, look, view).await?;
-        layers.push(CloudLayer::new(gpu, (passes, march, canvas), look, opened)?);
+/// What is compiled for the clouds of a picture.
+struct CloudPipelines {
+    /// For X-rays.
+    integral: Option<Arc<IntegralPasses>>,
+    /// On planes, with a march for each look.
+    planes: Option<Arc<CloudPasses>>,
+    marches: Vec<Arc<CloudMarch>>,
+}
+
+impl CloudPipelines {
+    /// Compiles what is lacking.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    fn new(
+        (gpu, pipelines): (&GpuDevice, &mut Pipelines),
+        placed: &Placed<'_>,
+        looks: &[Look<'_>],
+    ) -> Result<Self, SceneError> {
+        Ok(Self {
+            integral: match placed.integrates_clouds() {
+                true => Some(pipelines.integral(gpu)?),
+                false => None,
+            },
+            planes: match looks.is_empty() {
+                true => None,
+                false => Some(pipelines.clouds(gpu)?),
+            },
+            marches: looks
+                .iter()
+                .map(|look| pipelines.cloud_march(gpu, (look.mode(), &look.operators())))
+                .collect::<Result<_, _>>()?,
+        })
     }
-    Ok(layers)
+
+    /// Opens the clouds of a scene on planes of this distance, world length.
+    async fn open<'a>(
+        &'a self,
+        (gpu, canvas): (&'a GpuDevice, &'a Canvas),
+        (clouds, looks): (&CloudStore, &[Look<'_>]),
+        view: ((&Camera, &RenderSettings<SheetSettings>), f64),
+        task: Task<'_>,
+    ) -> Result<Vec<CloudLayer<'a>>, SceneError> {
+        let Some(passes) = self.planes.as_deref() else {
+            return Ok(Vec::new());
+        };
+        let all = clouds.meshes().chain(clouds.rest());
+        let mut layers = Vec::new();
+        for ((look, march), cloud) in looks.iter().zip(&self.marches).zip(all) {
+            task.go_on()?;
+            let opened = Opened::new((gpu, passes), cloud, look, view).await?;
+            layers.push(CloudLayer::new(
+                gpu,
+                (passes, Arc::clone(march), canvas),
+                look,
+                opened,
+            )?);
+        }
+        Ok(layers)
+    }
 }
 
 /// Levels of the volumes with what their looks need.

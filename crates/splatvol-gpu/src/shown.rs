@@ -10,7 +10,7 @@ use splatvol_core::scene_cloud;
 use splatvol_core::shade_table::ShadeTable;
 use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Gradient, RenderSettings, Scene, SheetKernel, SheetSettings, TransferFunction, Volume,
+    Camera, Gradient, RenderSettings, Scene, SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
 };
 
 use crate::check::DrawnMesh;
@@ -35,8 +35,22 @@ impl Placed<'_> {
         !self.meshes.is_empty() || !self.rest.items.is_empty()
     }
 
-    /// Looks of the meshes, then of the rest.
+    /// Whether layers are composited together.
+    pub(crate) fn gathers(&self) -> bool {
+        let composites = matches!(self.sheets.method.shows, Shows::Material(_));
+        composites && (self.shown.len() > 1 || self.has_clouds())
+    }
+
+    /// Whether clouds are added up to X-rays, without planes.
+    pub(crate) fn integrates_clouds(&self) -> bool {
+        self.sheets.method.shows == Shows::Xray && self.has_clouds()
+    }
+
+    /// Looks of the meshes, then of the rest, on planes.
     pub(crate) fn looks(&self) -> Vec<Look<'_>> {
+        if self.integrates_clouds() {
+            return Vec::new();
+        }
         let meshes = self.meshes.iter().map(ShownMesh::look);
         let rest = (!self.rest.items.is_empty()).then_some(Look::Colors { clips: &self.clips });
         meshes.chain(rest).collect()
