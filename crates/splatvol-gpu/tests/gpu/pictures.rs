@@ -501,9 +501,9 @@ fn pictures_do_not_depend_on_the_budget() {
     let mut together = plain.clone();
     together.items.push(scene(Sample::Ball, 40).items[0].clone());
     for (scene, settings, slots) in [
-        (&plain, sized(RenderSettings::fast(), 80), 100),
+        (&plain, sized(RenderSettings::fast(), 160), 100),
         (&plain, sized(RenderSettings::best(), 64), 100),
-        (&together, sized(RenderSettings::fast(), 80), 100),
+        (&together, sized(RenderSettings::fast(), 160), 100),
     ] {
         let taps = if settings == sized(RenderSettings::best(), 64) {
             6
