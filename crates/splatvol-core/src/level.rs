@@ -430,10 +430,10 @@ impl Pyramid {
         slot.as_mut().ok_or(failure.unwrap_or(SceneError::Stopped))
     }
 
-    /// Forgets a level, whose samples could not be read.
-    pub fn forget(&mut self, level: usize) {
-        if let Some(slot) = self.levels.get_mut(level) {
-            *slot = None;
+    /// Forgets the levels whose samples could not be read.
+    pub fn forget_failed(&mut self) {
+        for slot in &mut self.levels {
+            slot.take_if(|level| level.field.failure().is_some());
         }
     }
 
@@ -442,7 +442,7 @@ impl Pyramid {
     ///
     /// # Errors
     /// More bytes than the budget has left.
-    pub fn give(&self, level: usize, samples: u64) -> Result<(), OverBudget> {
+    pub(crate) fn give(&self, level: usize, samples: u64) -> Result<(), OverBudget> {
         let made = self.finest() + 1;
         let all = std::iter::once(0).chain(made..self.sources.len());
         let of: Vec<_> = all
@@ -476,14 +476,14 @@ impl Pyramid {
     }
 
     /// Frees what all levels have solved, where they are solved as pictures need them.
-    pub fn free_solved(&self) {
+    pub(crate) fn free_solved(&self) {
         self.lend(0..0, 0);
     }
 
     /// Lets the levels beside these keep what they have solved, of so many bytes for all of them: the finer one three
     /// quarters of them at most, the coarser one, which has a quarter of its voxels at a surface, one quarter. Others are
     /// freed. The bytes that are kept.
-    pub fn lend(&self, levels: std::ops::Range<usize>, bytes: u64) -> u64 {
+    pub(crate) fn lend(&self, levels: std::ops::Range<usize>, bytes: u64) -> u64 {
         let mut kept = 0;
         for (at, level) in self.levels.iter().enumerate() {
             let most = match at {

@@ -14,6 +14,7 @@
 //! | plan | [`plan`], with [`footprint`] and [`sheets`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
 //! | bin | [`bin`] | projected bricks, or chunks of a cloud | tile lists, front to back |
 //! | level | [`level`], kept by [`prepared`] | volume, transfer function, camera | the resolution that suits the picture |
+//! | budget | [`chunk_memory`] | a volume in chunks, a picture | the bytes that its parts may take |
 //! | shade | [`shade_table`], [`border`] | tables; the volume's faces | what intervals between planes are shaded with |
 //!
 //! Clouds of kernels with covariances of their own:
@@ -36,6 +37,7 @@
 pub mod bin;
 pub mod border;
 pub mod brick;
+pub mod chunk_memory;
 pub mod classification;
 pub mod clock;
 pub mod cloud_planes;

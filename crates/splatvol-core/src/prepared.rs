@@ -69,6 +69,11 @@ impl PreparedVolumes {
         &mut self.pyramids[..self.own]
     }
 
+    /// Forgets the levels whose samples could not be read.
+    pub fn forget_failed(&mut self) {
+        self.pyramids.iter_mut().for_each(Pyramid::forget_failed);
+    }
+
     /// Bytes of the volumes of the current scene, and of others.
     pub fn bytes(&self) -> [usize; 2] {
         let (own, others) = self.pyramids.split_at(self.own);

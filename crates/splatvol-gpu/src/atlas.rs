@@ -9,9 +9,9 @@
 mod assemble;
 mod renew;
 
-pub(crate) use assemble::ASSEMBLE;
 #[cfg(test)]
 pub(crate) use assemble::AssemblyData;
+pub(crate) use assemble::{ASSEMBLE, Assembler, CHUNKS_TOGETHER};
 use renew::Contents;
 
 use rayon::prelude::*;
@@ -20,7 +20,6 @@ use splatvol_core::field::FieldStore;
 use splatvol_scene::SceneError;
 
 use crate::device::GpuDevice;
-use crate::pass::Pass;
 
 /// Cells of a page along each axis, and cells before the lattice's first point that pages begin with.
 const PAGE: i32 = 16;
@@ -239,18 +238,15 @@ impl Atlas {
     /// Brings a field's needed coefficients to the device. `pass`: `assemble`.
     ///
     /// # Errors
-    /// Memory that the device refuses.
-    pub(crate) fn new(
-        (gpu, pass): (&GpuDevice, &Pass),
-        store: &FieldStore,
-        taps: i32,
-    ) -> Result<Self, SceneError> {
+    /// Memory that the device refuses, a stopped picture, and samples that cannot be read.
+    pub(crate) fn new(assembler: Assembler<'_>, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
         let firsts = (0..store.len()).map(|brick| store.first(brick));
         let channels = 1 + u32::from(store.any_missing());
+        let gpu = assembler.gpu;
         let mut atlas = Self::empty(gpu, (store.dims(), firsts.collect()), (taps, channels))?;
         if !atlas.is_paged() {
             let all: Vec<_> = (0..atlas.layout.needed.len()).map(|at| (at, at)).collect();
-            gpu.scoped(|_| atlas.assemble((gpu, pass), store, &all))?;
+            gpu.scoped(|_| atlas.assemble(assembler, store, &all))??;
             atlas.contents = Some(Contents::of(store));
         }
         Ok(atlas)

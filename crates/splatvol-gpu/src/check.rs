@@ -9,6 +9,8 @@ use splatvol_scene::{
     Shows, SingleVolume, TransferFunction,
 };
 
+use crate::gaussians::published;
+
 /// Largest radius of a kernel, voxels.
 const MOST_RADIUS: f64 = 3.0;
 
@@ -31,6 +33,17 @@ pub(crate) struct DrawnMesh<'a> {
     pub mesh: &'a Arc<Mesh>,
     pub transfer_function: &'a TransferFunction,
     pub isosurfaces: &'a [Isosurface],
+}
+
+/// Checks that the GPU engine draws a shot, whatever the device.
+///
+/// # Errors
+/// What it does not draw, by name.
+pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
+    match published(&shot)? {
+        Some(_) => Ok(()),
+        None => supported(&shot).map(|_| ()),
+    }
 }
 
 /// The layers of a shot.
@@ -143,10 +156,7 @@ fn refuse<T>(what: &'static str, why: &'static str) -> Result<T, SceneError> {
 
 fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings) -> Result<(), SceneError> {
     if single.volume.chunks().is_some() {
-        return refuse(
-            "on the GPU, a volume that is read in chunks",
-            "it is drawn by the engine cpu; or read the volume whole",
-        );
+        check_chunks(sheets)?;
     }
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
@@ -156,6 +166,23 @@ fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings
         return Ok(());
     }
     check_untouched(scene, single.item)
+}
+
+/// Refuses pictures for which all samples of a volume in chunks would have to be read.
+fn check_chunks(sheets: &SheetSettings) -> Result<(), SceneError> {
+    if sheets.splats_colors() {
+        return refuse(
+            "on the GPU, voxels of a volume in chunks that are classified first",
+            "all samples of their level would have to be on the device; they are drawn by the engine cpu; or read the volume whole",
+        );
+    }
+    if !sheets.prefilter {
+        return refuse(
+            "a volume that is read in chunks",
+            "without the prefilter all samples must be in memory; leave the prefilter on, or read the volume whole",
+        );
+    }
+    Ok(())
 }
 
 /// Refuses clips, isosurfaces and operators.

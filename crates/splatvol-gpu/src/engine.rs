@@ -236,7 +236,10 @@ impl GpuEngine {
         self.gpu.forget_passes();
         let mut statistics = match published(&shot)? {
             Some(clouds) => self.gaussians((&clouds, &shot), frame, task).await?,
-            None => self.layers(&shot, frame, task).await?,
+            None => {
+                let drawn = self.layers(&shot, frame, task).await;
+                drawn.inspect_err(|_| self.layers.forget_failed())?
+            }
         };
         statistics.passes = self.gpu.pass_seconds().await?;
         Ok(statistics)

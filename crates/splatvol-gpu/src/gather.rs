@@ -177,7 +177,7 @@ impl Gather<'_> {
         let mut volumes: Vec<Begun<'_>> = self
             .volumes
             .iter()
-            .map(|march| Begun::new(march, &gathered))
+            .map(|march| Begun::new(march, &gathered, task))
             .collect();
         let clouds = self
             .clouds
@@ -251,12 +251,12 @@ impl Mixed<'_> {
 }
 
 impl<'a> Begun<'a> {
-    fn new(march: &'a March<'a>, gathered: &wgpu::Buffer) -> Self {
+    fn new(march: &'a March<'a>, gathered: &wgpu::Buffer, task: Task<'a>) -> Self {
         let data = march.data();
         Self {
             bound: march.begin(&data, gathered),
             first_plane: march.picture.first_plane(),
-            pager: march.pager(),
+            pager: march.pager(task),
             march,
             data,
         }

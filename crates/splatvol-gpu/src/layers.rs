@@ -1,6 +1,9 @@
 //! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects; and its clouds. Levels of
-//! one volume lie behind each other ([`segments`]).
+//! one volume lie behind each other ([`segments`]). A picture begins with what its levels need ([`ready`]), which is brought to the
+//! device ([`resident`]).
 
+mod ready;
+mod resident;
 mod segments;
 
 use std::sync::{Arc, Weak};
@@ -8,12 +11,12 @@ use std::sync::{Arc, Weak};
 use glam::DAffine3;
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
-use splatvol_core::level::{Level, Wanted};
-use splatvol_core::plan::{GridView, Rays, on_common_planes};
+use splatvol_core::level::Level;
+use splatvol_core::plan::{GridView, Rays};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
 use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Volume};
 
-use crate::atlas::Atlas;
+use crate::atlas::Assembler;
 use crate::check::Drawn;
 use crate::clouds::{
     CloudLayer, CloudMarch, CloudPasses, CloudStore, Integral, IntegralPasses, Look, OfMesh, Opened,
@@ -26,8 +29,9 @@ use crate::layout::{FrameData, Picture};
 use crate::march::{Canvas, March};
 use crate::pass::Pass;
 use crate::pipelines::{Classify, Marches, Pipelines, Variant};
-use crate::shown::{Key, Placed, Shown, ShownMesh};
-use crate::voxels::{KeptSamples, Voxels};
+use crate::shown::{Placed, Shown, ShownMesh};
+use ready::Ready;
+use resident::{OnDevice, Resident};
 
 /// Volumes kept on the host and on the device.
 #[derive(Debug)]
@@ -39,13 +43,6 @@ pub(crate) struct LayerStore {
     clouds: CloudStore,
     /// Bytes of the last picture's clouds on the device, apart from their kernels.
     cloud_bytes: usize,
-}
-
-/// Volumes kept on the device.
-#[derive(Debug, Default)]
-struct OnDevice {
-    resident: Vec<Resident>,
-    samples: KeptSamples,
 }
 
 impl Default for LayerStore {
@@ -65,14 +62,6 @@ struct Moved {
     of: Weak<Volume>,
     at: DAffine3,
     volume: Arc<Volume>,
-}
-
-/// Voxels on the device, and what they are of.
-#[derive(Debug)]
-struct Resident {
-    of: Key,
-    atlas: Atlas,
-    voxels: Option<Voxels>,
 }
 
 /// Where pictures are made.
@@ -167,20 +156,31 @@ impl LayerStore {
             cloud_bytes,
             ..
         } = self;
-        let classified = classify(prepared, (shown, levels), task, statistics)?;
-        let views = views(camera, shown, &classified);
+        let ready = Ready::new(prepared, (camera, shown, levels), task)?;
+        ready.count(shown, statistics);
         let all: Vec<&Shown<'_>> = shown.iter().collect();
-        let at = on_device.reside((gpu, &pipelines.assemble), (&all, levels), &classified)?;
+        let [brings, draws] = ready.shares();
+        let [bring, draw] = [&brings, &draws].map(|of| move |done: f64| (task.progress)(of(done)));
+        let assembler = Assembler {
+            gpu,
+            pass: &pipelines.assemble,
+            task: task.unseen(&bring),
+        };
+        let at = on_device.reside(assembler, (&all, levels), &ready.levels)?;
         let meshes: Vec<OfMesh<'_>> = placed.meshes.iter().map(ShownMesh::cloud).collect();
         let view = (camera, shot.settings, &placed.sheets);
         clouds.update(gpu, (&placed.rest, &meshes), view, task)?;
-        let ready = Instant::now();
-        statistics.seconds.classify += (ready - start).as_secs_f64();
+        let task = Task {
+            progress: &draw,
+            ..task
+        };
+        let prepared = Instant::now();
+        statistics.seconds.classify += (prepared - start).as_secs_f64();
         let layers: Vec<Layer<'_>> = (0..shown.len())
             .map(|i| Layer {
                 shown: &shown[i],
-                level: classified[i],
-                view: &views[i],
+                level: ready.levels[i],
+                view: &ready.views[i],
                 resident: &on_device.resident[at[i]],
             })
             .collect();
@@ -201,14 +201,14 @@ impl LayerStore {
             .zip(&passes)
             .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
-        let spacing = views.first().map(GridView::spacing);
+        let spacing = ready.views.first().map(GridView::spacing);
         let spacing = spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
         let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
         let drawn = of_clouds
             .open((gpu, canvas), (clouds, &looks), view, task)
             .await?;
         statistics.sheets += planes_of(&marches, &drawn);
-        statistics.seconds.bin += ready.elapsed().as_secs_f64();
+        statistics.seconds.bin += prepared.elapsed().as_secs_f64();
         *cloud_bytes = match &mixture {
             None => {
                 let passes = of_clouds.integral.as_deref();
@@ -245,8 +245,13 @@ impl LayerStore {
                 gather.render(task, frame).await?
             }
         };
-        statistics.seconds.tiles += ready.elapsed().as_secs_f64();
-        Ok(())
+        statistics.seconds.tiles += prepared.elapsed().as_secs_f64();
+        ready.finish(statistics)
+    }
+
+    /// Forgets the levels whose samples could not be read.
+    pub(crate) fn forget_failed(&mut self) {
+        self.prepared.forget_failed();
     }
 
     /// Bytes of the clouds of the current scene, on the host.
@@ -261,9 +266,7 @@ impl LayerStore {
 
     /// Bytes on the device.
     pub(crate) fn device_bytes(&self) -> usize {
-        let OnDevice { resident, samples } = &self.on_device;
-        let atlases = resident.iter().map(|own| own.atlas.layout.bytes());
-        (atlases.sum::<u64>() + samples.bytes()) as usize + self.clouds.bytes()[1] + self.cloud_bytes
+        self.on_device.bytes() as usize + self.clouds.bytes()[1] + self.cloud_bytes
     }
 }
 
@@ -326,87 +329,6 @@ impl CloudPipelines {
             )?);
         }
         Ok(layers)
-    }
-}
-
-/// Levels of the volumes with what their looks need.
-fn classify<'p>(
-    prepared: &'p mut PreparedVolumes,
-    (shown, levels): (&[Shown<'_>], &[usize]),
-    task: Task<'_>,
-    statistics: &mut RenderStatistics,
-) -> Result<Vec<&'p Level>, SceneError> {
-    // Labels have no coefficients, whatever their settings.
-    let Some(main) = shown.iter().find(|own| !own.labels).or(shown.first()) else {
-        return Ok(Vec::new());
-    };
-    let pyramids = prepared.of_scene(shown.iter().map(|own| &own.volume), &main.settings);
-    let mut classified: Vec<&Level> = Vec::with_capacity(shown.len());
-    for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {
-        let look = own.look();
-        let level = pyramid.classify(level, look, Wanted::of(&own.settings), task.stop)?;
-        count(own, level, statistics);
-        classified.push(level);
-    }
-    Ok(classified)
-}
-
-/// Counts what was done for a level, and what it has.
-fn count(own: &Shown<'_>, level: &Level, statistics: &mut RenderStatistics) {
-    level.count_work(statistics);
-    statistics.active_bricks += match own.mode().splats_classes() {
-        true => level.visible.len(),
-        false => level.field.len(),
-    };
-}
-
-/// Views of the levels, on common planes.
-fn views(camera: &Camera, shown: &[Shown<'_>], classified: &[&Level]) -> Vec<GridView> {
-    let grids: Vec<_> = shown
-        .iter()
-        .zip(classified)
-        .map(|(own, level)| (level.field.source().grid(), own.settings, own.sampling()))
-        .collect();
-    on_common_planes(&grids, camera)
-}
-
-impl OnDevice {
-    /// Brings what is not there yet, and forgets what none of these volumes needs; returns each one's place in `resident`.
-    fn reside(
-        &mut self,
-        (gpu, assemble): (&GpuDevice, &Pass),
-        (shown, levels): (&[&Shown<'_>], &[usize]),
-        classified: &[&Level],
-    ) -> Result<Vec<usize>, SceneError> {
-        let keys: Vec<Key> = shown
-            .iter()
-            .zip(levels)
-            .map(|(own, &level)| own.key(level))
-            .collect();
-        let Self { resident, samples } = self;
-        samples.retain(shown.iter().map(|own| &own.volume));
-        let mut before = std::mem::take(resident);
-        let mut at = Vec::with_capacity(shown.len());
-        for (own, (key, level)) in shown.iter().zip(keys.iter().zip(classified)) {
-            let there = resident.iter().position(|known| known.of == *key);
-            let kept = before.iter().position(|known| known.of == *key);
-            at.push(there.unwrap_or(resident.len()));
-            if there.is_none() {
-                let found = match kept {
-                    Some(kept) => before.swap_remove(kept),
-                    None => {
-                        let other = other_look(&mut before, (key, &keys));
-                        bring((gpu, assemble, samples), own, (key, level), other)?
-                    }
-                };
-                resident.push(found);
-            }
-        }
-        // Other levels, which pictures blend with these.
-        let is_other = |known: &Resident, key: &Key| key.is_like(&known.of) && key.level != known.of.level;
-        before.retain(|known| keys.iter().any(|key| is_other(known, key)));
-        resident.append(&mut before);
-        Ok(at)
     }
 }
 
@@ -482,43 +404,4 @@ impl Layer<'_> {
             settles: true,
         }
     }
-}
-
-/// The same level of the same volume with a look that no shown one has.
-fn other_look(before: &mut Vec<Resident>, (key, keys): (&Key, &[Key])) -> Option<Resident> {
-    let is_other = |known: &Resident| {
-        known.voxels.is_none()
-            && known.of.level == key.level
-            && key.is_like(&known.of)
-            && !keys.contains(&known.of)
-    };
-    let found = before.iter().position(is_other)?;
-    Some(before.swap_remove(found))
-}
-
-/// Brings the needed voxels of a level to the device, or those of them that it lacks with another look.
-fn bring(
-    (gpu, assemble, samples): (&GpuDevice, &Pass, &mut KeptSamples),
-    own: &Shown<'_>,
-    (key, level): (&Key, &Level),
-    other: Option<Resident>,
-) -> Result<Resident, SceneError> {
-    if let Some(mut other) = other
-        && other.atlas.renew((gpu, assemble), &level.field)?
-    {
-        other.of = key.clone();
-        return Ok(other);
-    }
-    let (atlas, voxels) = if own.mode().splats_classes() {
-        let samples = samples.of(gpu, &key.volume, (key.level, &level.field))?;
-        let (atlas, voxels) = Voxels::new(gpu, level, &samples, own.taps())?;
-        (atlas, Some(voxels))
-    } else {
-        (Atlas::new((gpu, assemble), &level.field, own.taps())?, None)
-    };
-    Ok(Resident {
-        of: key.clone(),
-        atlas,
-        voxels,
-    })
 }

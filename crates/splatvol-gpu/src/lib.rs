@@ -52,6 +52,7 @@ mod tests;
 mod timer;
 mod voxels;
 
+pub use check::check;
 pub use device::GpuConfig;
 pub use engine::GpuEngine;
 pub use error::GpuError;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use splatvol_core::engine::Task;
 use splatvol_scene::{Frame, SceneError};
 
-use crate::atlas::Atlas;
+use crate::atlas::{Assembler, Atlas};
 use crate::device::GpuDevice;
 use crate::layout::{FrameData, Picture, SheetData};
 use crate::mode::Mode;
@@ -174,7 +174,7 @@ impl March<'_> {
         let bound = self.begin(data, depths);
         let intervals = data.from_interval..data.to_interval;
         let most = self.intervals_together(self.canvas.pixels);
-        let mut pager = self.pager();
+        let mut pager = self.pager(task);
         let mut before = None;
         let mut from = intervals.start;
         while from < intervals.end {
@@ -200,8 +200,13 @@ impl March<'_> {
     }
 
     /// The pager, if the volume's pages have not all room on the device.
-    pub(crate) fn pager(&self) -> Option<Pager<'_>> {
-        Pager::new((self.gpu, &self.pipelines.assemble), self.atlas, &self.picture)
+    pub(crate) fn pager<'m>(&'m self, task: Task<'m>) -> Option<Pager<'m>> {
+        let assembler = Assembler {
+            gpu: self.gpu,
+            pass: &self.pipelines.assemble,
+            task: task.unseen(&|_| {}),
+        };
+        Pager::new(assembler, self.atlas, &self.picture)
     }
 
     /// Intervals of a dispatch, for so many pixels.

@@ -9,18 +9,15 @@ use glam::DVec3;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::SceneError;
 
-use crate::atlas::Atlas;
-use crate::device::GpuDevice;
+use crate::atlas::{Assembler, Atlas};
 use crate::layout::Picture;
-use crate::pass::Pass;
 
 /// Planes around an interval from which its values come, before and behind.
 const AROUND: i64 = 1;
 
 /// Pages in slots.
 pub(crate) struct Pager<'a> {
-    gpu: &'a GpuDevice,
-    assemble: &'a Pass,
+    assembler: Assembler<'a>,
     atlas: &'a Atlas,
     store: &'a FieldStore,
     /// Smallest and largest plane number that each needed page may meet.
@@ -33,11 +30,7 @@ pub(crate) struct Pager<'a> {
 
 impl<'a> Pager<'a> {
     /// The pager of a picture; `None` if all pages are on the device.
-    pub(crate) fn new(
-        (gpu, assemble): (&'a GpuDevice, &'a Pass),
-        atlas: &'a Atlas,
-        picture: &Picture<'a>,
-    ) -> Option<Self> {
+    pub(crate) fn new(assembler: Assembler<'a>, atlas: &'a Atlas, picture: &Picture<'a>) -> Option<Self> {
         if !atlas.is_paged() {
             return None;
         }
@@ -62,8 +55,7 @@ impl<'a> Pager<'a> {
             [near.floor() as i64, far.ceil() as i64]
         };
         Some(Self {
-            gpu,
-            assemble,
+            assembler,
             planes: atlas.layout.needed.iter().map(planes).collect(),
             first: picture.first_plane(),
             in_slots: vec![None; atlas.layout.capacity()],
@@ -87,20 +79,20 @@ impl<'a> Pager<'a> {
     /// Brings the pages of as many intervals as have room, at most these; returns how many.
     ///
     /// # Errors
-    /// A single interval that has no room.
+    /// A single interval that has no room, a stopped picture, and samples that cannot be read.
     pub(crate) fn load(&mut self, intervals: Range<u32>) -> Result<u32, SceneError> {
         let mut count = intervals.end - intervals.start;
         loop {
             let met = self.met(&(intervals.start..intervals.start + count));
             if met.len() <= self.in_slots.len() {
-                self.exchange(&met);
+                self.exchange(&met)?;
                 return Ok(count);
             }
             if count <= 1 {
-                return Err(self.gpu.failed(&format!(
+                return Err(self.assembler.gpu.failed(&format!(
                     "one interval of the volume meets {} pages, the budget of {} MiB has room for {}",
                     met.len(),
-                    self.gpu.budget >> 20,
+                    self.assembler.gpu.budget >> 20,
                     self.in_slots.len()
                 )));
             }
@@ -109,7 +101,7 @@ impl<'a> Pager<'a> {
     }
 
     /// Puts pages, which have room, into slots that hold none of them.
-    fn exchange(&mut self, met: &[usize]) {
+    fn exchange(&mut self, met: &[usize]) -> Result<(), SceneError> {
         let is_met = |page: &Option<usize>| page.is_some_and(|page| met.binary_search(&page).is_ok());
         for slot in &mut self.in_slots {
             if !is_met(slot) {
@@ -129,8 +121,8 @@ impl<'a> Pager<'a> {
                 *holds = Some(page);
             }
         }
-        self.atlas
-            .assemble((self.gpu, self.assemble), self.store, &brought);
-        self.atlas.set_slots(self.gpu, &self.in_slots);
+        self.atlas.assemble(self.assembler, self.store, &brought)?;
+        self.atlas.set_slots(self.assembler.gpu, &self.in_slots);
+        Ok(())
     }
 }

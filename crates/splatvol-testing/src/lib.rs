@@ -10,6 +10,7 @@
 //! | [`snapshot`] | [`assert_snapshot`]: pictures against 16-bit PNGs kept with the tests |
 //! | [`method`] | settings of any method, varied from one base |
 //! | [`picture`] | pictures as PNG files |
+//! | [`pieces`] | volumes in memory as sources of chunks, with faults |
 //! | [`chromium`] | a headless browser whose page says something, by WebGPU |
 //! | [`server`] | a server of files, and what servers do wrong |
 //!
@@ -22,6 +23,7 @@ pub mod compare;
 pub mod fields;
 pub mod method;
 pub mod picture;
+pub mod pieces;
 pub mod random;
 pub mod server;
 pub mod snapshot;
@@ -31,5 +33,6 @@ pub use assertion::{Tolerance, assert_images};
 pub use compare::Comparison;
 pub use fields::{Field, sample};
 pub use method::checked;
+pub use pieces::{Fault, Pieces};
 pub use random::Random;
 pub use snapshot::assert_snapshot;

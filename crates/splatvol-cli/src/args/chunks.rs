@@ -28,7 +28,7 @@ pub(crate) struct ChunkArgs {
     /// Volumes are read chunk by chunk, those alone that the picture shows, and a picture that cannot fit fails before it
     /// reads. The picture does not depend on the memory, but for the automatic look of flat files. All other inputs are read
     /// whole (--max-memory), and so are these where a method needs all samples: the papers' methods, maxima of several
-    /// volumes, missing samples, the GPU.
+    /// volumes, missing samples, and on the GPU X-rays and what is classified first.
     #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = GENERAL)]
     pub(crate) memory: Option<u64>,
     /// Chunks that are lost: refuse, or background [default: refuse]

@@ -100,9 +100,9 @@ pub(crate) struct RenderArgs {
     ///
     /// The CPU draws everything, with the same bytes on every machine. gpu draws volumes, labels, meshes, points and
     /// volumetric Gaussians together, as material (with clips, isosurfaces or operators) or as an X-ray, maxima, minima or means of a
-    /// volume or a mesh, or 3-D Gaussians as published among themselves, and refuses the rest by name (the papers' methods, volumes
-    /// that are read in chunks, operators written in Rust alone); its pictures differ by the last digits from device to device. auto takes the GPU where there is one that draws the scene,
-    /// and says otherwise why not. Programs have the GPU's engine if they were built with `--features gpu`.
+    /// volume or a mesh, or 3-D Gaussians as published among themselves, and refuses the rest by name (the papers' methods,
+    /// operators written in Rust alone); its pictures differ by the last digits from device to device. auto takes the GPU where there
+    /// is one that draws the scene, and says otherwise why not. Programs have the GPU's engine if they were built with `--features gpu`.
     #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = GENERAL)]
     pub(crate) engine: EngineName,
     /// Write times and counts as JSON to this file, or to stdout (-)

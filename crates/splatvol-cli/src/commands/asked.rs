@@ -4,6 +4,9 @@ mod refuse;
 
 use std::path::{Path, PathBuf};
 
+use splatvol::SceneError;
+#[cfg(feature = "gpu")]
+use splatvol::Shot;
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
@@ -211,12 +214,28 @@ pub(super) fn whole_where_needed(
         check(&picture).during(Step::Usage)?;
         return Ok(picture);
     }
-    if engine != EngineName::Cpu || check(&picture).is_err() {
+    if check(&picture).and_then(|()| draws(engine, &picture)).is_err() {
         terminal.detail("volumes are read whole: the method, or the engine, needs all samples");
         picture.scene = picture.scene.in_memory().during(Step::Input)?;
         check(&picture).during(Step::Usage)?;
     }
     Ok(picture)
+}
+
+/// Checks that an engine draws a picture. Where there is a choice, the CPU's draws what the GPU's does not.
+fn draws(engine: EngineName, picture: &Picture) -> Result<(), SceneError> {
+    match engine {
+        EngineName::Cpu | EngineName::Auto => Ok(()),
+        #[cfg(feature = "gpu")]
+        EngineName::Gpu => splatvol::gpu::check(Shot {
+            scene: &picture.scene,
+            camera: &picture.camera,
+            settings: &picture.settings,
+        }),
+        // Programs without this engine say so when they start it.
+        #[cfg(not(feature = "gpu"))]
+        EngineName::Gpu => Ok(()),
+    }
 }
 
 /// The input and, if there are two, its solution: a grid and a solution of PLOT3D, in either order.

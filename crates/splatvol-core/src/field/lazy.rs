@@ -19,7 +19,7 @@ use splatvol_scene::{ChunkedVolume, OverBudget, Recent, Samples, VoxelBox};
 
 use super::around::BrickRanges;
 use super::cells::CellBits;
-use super::chunk::{CHUNK, Scratch};
+use super::chunk::{CHUNK, Scratch, StoredBrick};
 use super::reader::Reader;
 use super::{AROUND, Block, Chunk, FieldStore, Surroundings, place};
 use crate::brick::BRICK;
@@ -246,6 +246,19 @@ impl FieldStore {
     }
 
     pub(super) fn decode_lazily(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
+        self.solve_brick(index, |solved| match solved {
+            Some((stored, mask)) => stored.decode(mask, self.background, out),
+            None => out.fill(f32::NAN),
+        });
+    }
+
+    /// Solves the chunk of a brick, unless it is at hand, and takes the brick from it, with its needed voxels; `None` if it
+    /// has none, and after a failure.
+    pub(super) fn solve_brick<R>(
+        &self,
+        index: usize,
+        take: impl FnOnce(Option<(&StoredBrick, &CellBits)>) -> R,
+    ) -> R {
         let [chunk, at] = self.needed[index];
         let solved = self.lazy.as_ref().and_then(|lazy| {
             let make = || {
@@ -255,14 +268,10 @@ impl FieldStore {
             };
             lazy.solved.get_or_make(chunk, make).ok()
         });
-        let brick = solved.as_ref().and_then(|chunk| {
+        take(solved.as_ref().and_then(|chunk| {
             let found = chunk.needed.binary_search_by_key(&at, |brick| brick.place).ok()?;
-            Some((chunk.stored(at), &chunk.needed[found]))
-        });
-        match brick {
-            Some((stored, brick)) => stored.decode(&brick.mask, self.background, out),
-            None => out.fill(f32::NAN),
-        }
+            Some((chunk.stored(at), &chunk.needed[found].mask))
+        }))
     }
 
     /// Reads and solves a chunk; `None` after a failure.

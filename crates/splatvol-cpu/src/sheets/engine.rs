@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use splatvol_core::chunk_memory::{ChunkMemory, PictureNeeds};
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::field::FieldStore;
@@ -10,7 +11,7 @@ use splatvol_core::plan::{Bricks, GridView, Ramp, Sampling};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::analytic::{Analytic, Sums};
-use super::blocks::{self, Needs, Room};
+use super::blocks::{self, picture_bytes};
 use super::classified::ClassifiedBricks;
 use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
@@ -89,15 +90,14 @@ impl SheetEngine {
             return Ok(());
         };
         let wanted = Wanted::of(settings);
-        let numbers = first..first + N;
-        let needs = Needs {
-            held: run.task.held(settings.size),
-            threads: run.pool.current_num_threads(),
-            tile_edge: edge,
+        let threads = run.pool.current_num_threads();
+        let needs = PictureNeeds {
+            bytes: picture_bytes(&run.task.held(settings.size), threads, edge),
+            threads,
             volumes: beside.len().max(1),
             levels: N,
         };
-        let room = Room::of_picture((&scene.volume, numbers.clone()), pyramid, needs, wanted)?;
+        let of_chunks = ChunkMemory::of_picture((&scene.volume, first..first + N), pyramid, needs, wanted)?;
         let look = scene.look();
         let mut levels: [_; N] = pyramid.classify_all(first, look, wanted, run.task.stop)?;
         let sampling = sampling(settings);
@@ -121,9 +121,9 @@ impl SheetEngine {
             Sampling::Rays => views[0].ray_tile_edge(TILE_EDGE),
             _ => edge,
         };
-        let blocks = match &room {
-            Some(room) => {
-                let own = levels.each_ref().map(|level| (room, &**level));
+        let blocks = match &of_chunks {
+            Some(memory) => {
+                let own = levels.each_ref().map(|level| (memory, &**level));
                 blocks::of_picture(&own, settings.size, &run, edge)?
             }
             None => blocks::of_picture(&[], settings.size, &run, edge)?,
@@ -156,13 +156,13 @@ impl SheetEngine {
                 _ => draw(job, (scene, shared[0]), (camera, sampling), (frame, statistics)),
             }
             if let Some(error) = levels.iter().find_map(|level| level.field.failure()) {
-                numbers.for_each(|number| pyramid.forget(number));
+                pyramid.forget_failed();
                 return Err(error);
             }
             run.task.go_on()?;
         }
-        if let Some(room) = &room {
-            room.count(&levels.each_ref().map(|level| &**level), statistics);
+        if let Some(memory) = &of_chunks {
+            memory.count(&levels.each_ref().map(|level| &**level), statistics);
         }
         Ok(())
     }

@@ -5,6 +5,7 @@
 //! it is without them. A scene without volumes has the planes of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
+use splatvol_core::chunk_memory::{ChunkMemory, PictureNeeds};
 use splatvol_core::clock::Instant;
 use splatvol_core::cloud_planes::own_spacing;
 use splatvol_core::engine::{RenderStatistics, Task};
@@ -13,7 +14,7 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, SheetSettings};
 
 use super::analytic::{Analytic, Sums};
-use super::blocks::{self, Needs, Room};
+use super::blocks::{self, picture_bytes};
 use super::classified::ClassifiedBricks;
 use super::cloud::layer::MeshLayer;
 use super::cloud::plan::CloudPlan;
@@ -34,7 +35,7 @@ use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
-use splatvol_core::level::{Detail, Level, Wanted, blend};
+use splatvol_core::level::{Detail, Level, Pyramid, Wanted, blend};
 
 /// Contents of a scene, by layer.
 #[derive(Debug, Clone, Copy)]
@@ -296,18 +297,18 @@ impl SheetEngine {
             ..
         } = self;
         let pyramids = kept.of_scene(scene.volumes.iter().map(|own| &own.volume), settings);
-        let mut rooms: Vec<Option<Room>> = Vec::new();
-        let needs = Needs {
-            held: run.task.held(settings.size),
-            threads: run.pool.current_num_threads(),
-            tile_edge: edge,
+        let mut memories: Vec<Option<ChunkMemory>> = Vec::new();
+        let threads = run.pool.current_num_threads();
+        let needs = PictureNeeds {
+            bytes: picture_bytes(&run.task.held(settings.size), threads, edge),
+            threads,
             volumes: scene.volumes.len(),
             levels: 1,
         };
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let wanted = Wanted::of(&volume.settings(settings));
             let of = (&*volume.volume, level..level + 1);
-            rooms.push(Room::of_picture(of, pyramid, needs, wanted)?);
+            memories.push(ChunkMemory::of_picture(of, pyramid, needs, wanted)?);
         }
         let mut classified: Vec<&mut Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
@@ -320,10 +321,10 @@ impl SheetEngine {
             level.count_work(statistics);
         }
         let views = views(&all, scene.volumes, (camera, settings));
-        let own: Vec<(&Room, &Level)> = rooms
+        let own: Vec<(&ChunkMemory, &Level)> = memories
             .iter()
             .zip(&all)
-            .filter_map(|(room, level)| Some((room.as_ref()?, *level)))
+            .filter_map(|(memory, level)| Some((memory.as_ref()?, *level)))
             .collect();
         let blocks = blocks::of_picture(&own, settings.size, &run, edge)?;
         statistics.seconds.classify += prepared.elapsed().as_secs_f64();
@@ -354,16 +355,14 @@ impl SheetEngine {
             }
             run.task.go_on()?;
         }
-        for (room, level) in rooms.iter().zip(&classified) {
-            if let Some(room) = room {
-                room.count(&[level], statistics);
+        for (memory, level) in memories.iter().zip(&classified) {
+            if let Some(memory) = memory {
+                memory.count(&[level], statistics);
             }
         }
         let failure = classified.iter().find_map(|level| level.field.failure());
         if let Some(error) = failure {
-            for (pyramid, &level) in pyramids.iter_mut().zip(levels) {
-                pyramid.forget(level);
-            }
+            pyramids.iter_mut().for_each(Pyramid::forget_failed);
             return Err(error);
         }
         Ok(())

@@ -3,7 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use splatvol_core::brick::BRICK;
+use splatvol_core::engine::Task;
 use splatvol_core::field::{FieldStore, PACKED};
+use splatvol_scene::SceneError;
 
 use super::{Atlas, AtlasLayout};
 use crate::device::GpuDevice;
@@ -25,6 +27,17 @@ const NO_BRICK: u32 = u32::MAX;
 const PAGES_ACROSS: u32 = 32_768;
 /// Most bytes of bricks that are brought together.
 const TOGETHER: u64 = 96 << 20;
+/// The same of volumes in chunks, where these bytes are part of a budget, and bricks may take long.
+pub(crate) const CHUNKS_TOGETHER: u64 = 8 << 20;
+
+/// What puts pages together, and the task that it is for.
+#[derive(Clone, Copy)]
+pub(crate) struct Assembler<'a> {
+    pub gpu: &'a GpuDevice,
+    /// The compiled `assemble`.
+    pub pass: &'a Pass,
+    pub task: Task<'a>,
+}
 
 /// What to assemble: `Assembly` in WGSL.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -96,20 +109,44 @@ impl AtlasLayout {
 
 impl Atlas {
     /// Brings needed pages, each to its slot.
+    ///
+    /// # Errors
+    /// A stopped picture, samples that cannot be read, or a device that fails.
     pub(crate) fn assemble(
         &self,
-        (gpu, pass): (&GpuDevice, &Pass),
+        assembler: Assembler<'_>,
         store: &FieldStore,
         pages: &[(usize, usize)],
-    ) {
-        let room = TOGETHER.min(gpu.device.limits().max_storage_buffer_binding_size);
+    ) -> Result<(), SceneError> {
+        let Assembler { gpu, task, .. } = assembler;
+        let together = match store.is_lazy() {
+            true => CHUNKS_TOGETHER,
+            false => TOGETHER,
+        };
+        let room = together.min(gpu.device.limits().max_storage_buffer_binding_size);
         let most = (room / (MET * (PACKED * size_of::<u32>()) as u64)).max(1) as usize;
-        for pages in pages.chunks(most) {
-            self.assemble_together((gpu, pass), &Parts::new(&self.layout, store, pages));
+        let mut before = None;
+        for (at, part) in pages.chunks(most).enumerate() {
+            task.go_on()?;
+            let parts = Parts::new(&self.layout, store, part);
+            store.failure().map_or(Ok(()), Err)?;
+            let submitted = self.assemble_together(assembler, &parts);
+            // Of a volume in chunks no more is on its way than its budget knows of.
+            if store.is_lazy()
+                && let Some(before) = before.replace(submitted)
+            {
+                gpu.wait(Some(before))?;
+                task.report((at * most) as f64 / pages.len() as f64);
+            }
         }
+        Ok(())
     }
 
-    fn assemble_together(&self, (gpu, pass): (&GpuDevice, &Pass), parts: &Parts) {
+    fn assemble_together(
+        &self,
+        Assembler { gpu, pass, .. }: Assembler<'_>,
+        parts: &Parts,
+    ) -> wgpu::SubmissionIndex {
         let count = parts.pages.len() as u32;
         let edge = self.layout.edge();
         let data = AssemblyData {
@@ -136,6 +173,6 @@ impl Atlas {
         ];
         let mut commands = gpu.commands();
         pass.dispatch(gpu, &mut commands, &bindings, groups);
-        gpu.queue.submit([commands.finish()]);
+        gpu.queue.submit([commands.finish()])
     }
 }

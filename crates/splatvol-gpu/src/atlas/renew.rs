@@ -1,18 +1,19 @@
-//! Renew: an atlas for another transfer function. Pages whose voxels are the same stay where they are, and only the bricks of
-//! the others are brought.
+//! Renew: an atlas for another transfer function, or of a volume in chunks for another camera. Pages whose voxels are the same
+//! stay where they are, and only the bricks of the others are brought.
 
 use splatvol_core::brick::BRICK;
 use splatvol_core::field::FieldStore;
+use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::SceneError;
 
-use super::{Atlas, AtlasLayout};
-use crate::device::GpuDevice;
-use crate::pass::Pass;
+use super::{Assembler, Atlas, AtlasLayout};
 
 /// What pages are made of. Coefficients depend on the samples alone.
 #[derive(Debug, PartialEq)]
 pub(super) struct Contents {
     background: f32,
+    /// Of a volume in chunks: which voxels of its bricks are needed follows from the visible levels alone.
+    levels: Option<VisibleLevels>,
     bricks: Vec<Brick>,
 }
 
@@ -32,6 +33,7 @@ impl Contents {
         };
         Self {
             background: store.background(),
+            levels: store.levels().filter(|_| store.is_lazy()).cloned(),
             bricks: (0..store.len()).map(brick).collect(),
         }
     }
@@ -51,21 +53,17 @@ struct Places {
 }
 
 impl Atlas {
-    /// Brings what a field of the same volume, kernel and level needs for another transfer function, and the atlas lacks.
+    /// Brings what a field of the same volume, kernel and level needs, and the atlas lacks.
     /// `false` where it cannot, since all voxels are others or the pages have no room: then nothing is changed.
     ///
     /// # Errors
-    /// Memory that the device refuses.
-    pub(crate) fn renew(
-        &mut self,
-        (gpu, pass): (&GpuDevice, &Pass),
-        store: &FieldStore,
-    ) -> Result<bool, SceneError> {
+    /// Memory that the device refuses, a stopped picture, and samples that cannot be read; the atlas is of no use then.
+    pub(crate) fn renew(&mut self, assembler: Assembler<'_>, store: &FieldStore) -> Result<bool, SceneError> {
         let contents = Contents::of(store);
         let Some(before) = self.contents.as_ref() else {
             return Ok(false);
         };
-        if before.background != contents.background {
+        if before.background != contents.background || before.levels != contents.levels {
             return Ok(false);
         }
         let firsts = contents.bricks.iter().map(|brick| brick.first);
@@ -88,11 +86,11 @@ impl Atlas {
         self.layout = layout;
         self.contents = Some(contents);
         self.slots = places.slots;
-        gpu.scoped(|gpu| {
-            self.assemble((gpu, pass), store, &places.brought);
+        assembler.gpu.scoped(|gpu| {
             gpu.queue
                 .write_buffer(&self.pages, 0, bytemuck::cast_slice(&table));
-        })?;
+            self.assemble(assembler, store, &places.brought)
+        })??;
         Ok(true)
     }
 

@@ -8,7 +8,9 @@ use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{Ramp, Rays, Segment};
 use splatvol_scene::{Frame, SceneError, Shows};
 
-use super::{Layer, LayerStore, Passes, Surface, count};
+use super::ready::{count, finish, memory_of, restrict};
+use super::{Layer, LayerStore, Passes, Surface};
+use crate::atlas::Assembler;
 use crate::gather::Gather;
 use crate::layout::FrameData;
 use crate::march::March;
@@ -83,30 +85,35 @@ impl LayerStore {
         let pyramids = self
             .prepared
             .of_scene(std::iter::once(&own.volume), &own.settings);
-        let classified: Vec<&Level> = match next {
+        let levels: Vec<usize> = (*level..level + 1 + usize::from(next.is_some())).collect();
+        let of_chunks = memory_of((own, *level..level + levels.len()), &mut pyramids[0], 1)?;
+        let mut classified: Vec<&mut Level> = match next {
             None => vec![pyramids[0].classify(*level, look, wanted, task.stop)?],
-            Some(_) => {
-                let both = pyramids[0].classify_all::<2>(*level, look, wanted, task.stop)?;
-                both.map(|level| &*level).into()
-            }
+            Some(_) => pyramids[0]
+                .classify_all::<2>(*level, look, wanted, task.stop)?
+                .into(),
         };
+        let views = std::iter::once(view).chain(next.as_ref().map(|(view, _)| view));
+        for (level, view) in classified.iter_mut().zip(views.clone()) {
+            restrict((level, of_chunks.as_ref()), view, own.settings.size)?;
+        }
+        let classified: Vec<&Level> = classified.into_iter().map(|level| &*level).collect();
         for level in &classified {
             count(own, level, statistics);
         }
-        let levels: Vec<usize> = (*level..level + classified.len()).collect();
         let Surface {
             gpu,
             pipelines,
             canvas,
         } = surface;
         let shown = vec![own; levels.len()];
-        let at = self
-            .on_device
-            .reside((gpu, &pipelines.assemble), (&shown, &levels), &classified)?;
-        let views = [Some(view), next.as_ref().map(|(view, _)| view)];
+        let assembler = Assembler {
+            gpu,
+            pass: &pipelines.assemble,
+            task: task.unseen(&|_| {}),
+        };
+        let at = self.on_device.reside(assembler, (&shown, &levels), &classified)?;
         let layers: Vec<Layer<'_>> = views
-            .into_iter()
-            .flatten()
             .zip(classified.iter().zip(&at))
             .map(|(view, (level, &at))| Layer {
                 shown: own,
@@ -131,7 +138,8 @@ impl LayerStore {
             .collect();
         statistics.sheets += view.end_shown() - view.first_shown();
         let (Some((_, ramp)), Some(mixture)) = (next, mixture) else {
-            return marches[0].add(task);
+            marches[0].add(task)?;
+            return finish((&classified, of_chunks.as_ref()), statistics);
         };
         fade(&mut marches, *ramp);
         let rays = Rays::new(&shot.camera.screen_from_camera(own.settings.size));
@@ -144,7 +152,8 @@ impl LayerStore {
             mixture: &mixture,
             clear: &shared.1.clear,
         };
-        both.add(task)
+        both.add(task)?;
+        finish((&classified, of_chunks.as_ref()), statistics)
     }
 }
 

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use splatvol_core::engine::{Control, Task};
 use splatvol_core::level::{VolumeLook, Wanted};
 use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::prepared::PreparedVolumes;
@@ -22,7 +23,7 @@ use splatvol_scene::{
 use splatvol_testing::fields::Noise;
 use splatvol_testing::sample;
 
-use crate::atlas::Atlas;
+use crate::atlas::{Assembler, Atlas};
 use crate::device::{GpuConfig, GpuDevice};
 use crate::effects::Effects;
 use crate::error::GpuError;
@@ -109,7 +110,12 @@ impl Subject {
             4
         };
         let mut pipelines = Pipelines::new(gpu).unwrap();
-        let atlas = Atlas::new((gpu, &pipelines.assemble), &level.field, taps).unwrap();
+        let assembler = Assembler {
+            gpu,
+            pass: &pipelines.assemble,
+            task: Task::new(&Control::default(), &|_| {}),
+        };
+        let atlas = Atlas::new(assembler, &level.field, taps).unwrap();
         let canvas = Canvas::new(gpu, inputs.len() as u64).unwrap();
         let variant = Variant {
             mode: self.mode,

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use splatvol::chunks::{MinMaxIndex, block_ends, spread_step};
-use splatvol::volume::widen;
-use splatvol::{
+use splatvol_scene::chunks::{MinMaxIndex, block_ends, spread_step};
+use splatvol_scene::volume::widen;
+use splatvol_scene::{
     ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, LevelLayout, Samples, SourceError, SourceIdentity,
     Volume, VoxelBox, with_samples,
 };
 
 /// What is wrong with the chunk 2,2,2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub enum Fault {
+    /// Nothing.
     None,
     /// It is lost.
     Lost,
@@ -21,7 +22,7 @@ pub(crate) enum Fault {
 
 /// A volume in chunks.
 #[derive(Debug)]
-pub(crate) struct Pieces {
+pub struct Pieces {
     volume: Arc<Volume>,
     whole: Box<dyn ChunkSource>,
     levels: [LevelLayout; 1],
@@ -30,7 +31,8 @@ pub(crate) struct Pieces {
 }
 
 impl Pieces {
-    pub(crate) fn new(volume: Arc<Volume>, chunk: [usize; 3], index: bool, fault: Fault) -> Self {
+    /// Samples of a volume in chunks of this size; whether bounds and spread samples are known without reading.
+    pub fn new(volume: Arc<Volume>, chunk: [usize; 3], index: bool, fault: Fault) -> Self {
         let whole: Box<dyn ChunkSource> = Arc::clone(&volume).into();
         let layout = LevelLayout {
             chunk,

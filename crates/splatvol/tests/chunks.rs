@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod source;
-
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -13,9 +11,7 @@ use splatvol::{
     SceneError, TransferFunction, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::checked;
-
-use source::{Fault, Pieces};
+use splatvol_testing::{Fault, Pieces, checked};
 
 /// Volumes, looks, a camera and settings.
 struct Case {
