@@ -33,9 +33,13 @@ fn look(sample: Sample) -> TransferFunction {
 }
 
 fn camera(volume: &Volume, from: [f64; 3], distance: f64) -> Camera {
+    wide(volume, from, (distance, 30.0))
+}
+
+fn wide(volume: &Volume, from: [f64; 3], (distance, fov_degrees): (f64, f64)) -> Camera {
     let bounds = volume.grid().bounds();
     let position = bounds.centre() + DVec3::from_array(from).normalize() * distance * bounds.diagonal();
-    let perspective = Projection::Perspective { fov_degrees: 30.0 };
+    let perspective = Projection::Perspective { fov_degrees };
     Camera::new(position, bounds.centre(), DVec3::Z, perspective).unwrap()
 }
 
@@ -114,6 +118,8 @@ fn pictures_from_chunks_are_those_from_memory() {
         let found = own.render(&chunked, &camera, &settings).unwrap();
         assert_same(what, &expected, &found);
         assert_eq!(own.statistics().chunks.reads, 0, "{what}");
+        // Both have one budget.
+        drop(own);
         let mut small = gpu_of(&GpuConfig {
             budget: Some(60 * 19usize.pow(3) * 4),
             ..GpuConfig::default()
@@ -130,7 +136,7 @@ fn a_turned_camera_reads_what_it_lacks() {
     let (Some(mut whole), Some(mut own)) = (gpu(), gpu()) else {
         return;
     };
-    let volume = volume(Sample::Shells, 96);
+    let volume = volume(Sample::Shells, 192);
     let chunked = in_chunks(&volume, ENOUGH, Fault::None);
     let settings = checked(settings(48));
     let translucent = Sample::Ball.default_transfer_function().unwrap();
@@ -141,7 +147,7 @@ fn a_turned_camera_reads_what_it_lacks() {
         ([0.9, 1.0, 0.2], translucent),
         ([0.3, 1.0, 0.2], look(Sample::Shells)),
     ] {
-        let camera = camera(&volume, from, 0.45);
+        let camera = wide(&volume, from, (1.0, 8.0));
         let of = |volume: &Arc<Volume>| Scene::new(Arc::clone(volume), look.clone());
         let expected = whole.render(&of(&volume), &camera, &settings).unwrap();
         let found = own.render(&of(&chunked), &camera, &settings).unwrap();
