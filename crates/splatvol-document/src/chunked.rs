@@ -1,7 +1,7 @@
 //! Volumes that are read in chunks when they are drawn: an overview in memory, and the rest within a budget.
 //!
 //! These are Zarr images with levels of detail, and single Zarr arrays that are larger than an overview may be: that depends
-//! on the file alone, never on memory. Flat files and stacks of slices are read in memory, which is faster, unless that takes more
+//! on the file alone, never on memory, unless the rules say otherwise. Flat files and stacks of slices are read in memory, which is faster, unless that takes more
 //! than is allowed. Looks, cameras and ranges of values are chosen from the overview: the finest level of at most [`OVERVIEW`]
 //! samples, or else every n-th sample of the coarsest. So small images look as they do in memory.
 
@@ -38,7 +38,7 @@ pub(crate) fn open(
         return Ok(None);
     };
     let allowed = reading.rules.max_bytes.unwrap_or(u64::MAX).min(rules.memory);
-    let is_small = match opened.is_divided {
+    let is_small = match opened.is_divided && !rules.whole_if_it_fits {
         true => coarser.is_empty() && layout.grid.sample_count() <= OVERVIEW,
         false => layout.bytes() <= allowed,
     };

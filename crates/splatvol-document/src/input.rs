@@ -44,6 +44,8 @@ pub struct ChunkRules {
     pub memory: u64,
     /// Whether lost chunks are holes, not errors.
     pub holes: bool,
+    /// Whether volumes are read whole whose samples that memory has room for, since pictures of them are faster.
+    pub whole_if_it_fits: bool,
 }
 
 /// Where and how files are read.

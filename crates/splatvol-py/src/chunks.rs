@@ -10,6 +10,7 @@ pub(crate) fn chunk_rules(memory: Option<u64>) -> ChunkRules {
     ChunkRules {
         memory: memory.unwrap_or_else(|| splatvol_io::memory::granted() / 2),
         holes: false,
+        whole_if_it_fits: false,
     }
 }
 

@@ -45,6 +45,7 @@ impl ChunkArgs {
         ChunkRules {
             memory: memory.saturating_sub(PROGRAM),
             holes: self.missing_chunks == Some(MissingChunks::Background),
+            whole_if_it_fits: false,
         }
     }
 }

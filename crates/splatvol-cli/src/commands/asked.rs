@@ -5,8 +5,6 @@ mod refuse;
 use std::path::{Path, PathBuf};
 
 use splatvol::SceneError;
-#[cfg(feature = "gpu")]
-use splatvol::Shot;
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
@@ -223,19 +221,22 @@ pub(super) fn whole_where_needed(
 }
 
 /// Checks that an engine draws a picture. Where there is a choice, the CPU's draws what the GPU's does not.
+#[cfg(feature = "gpu")]
 fn draws(engine: EngineName, picture: &Picture) -> Result<(), SceneError> {
     match engine {
         EngineName::Cpu | EngineName::Auto => Ok(()),
-        #[cfg(feature = "gpu")]
-        EngineName::Gpu => splatvol::gpu::check(Shot {
+        EngineName::Gpu => splatvol::gpu::check(splatvol::Shot {
             scene: &picture.scene,
             camera: &picture.camera,
             settings: &picture.settings,
         }),
-        // Programs without this engine say so when they start it.
-        #[cfg(not(feature = "gpu"))]
-        EngineName::Gpu => Ok(()),
     }
+}
+
+/// Without the GPU's engine there is nothing to check: a program that is asked for it says so when it starts it.
+#[cfg(not(feature = "gpu"))]
+fn draws(_: EngineName, _: &Picture) -> Result<(), SceneError> {
+    Ok(())
 }
 
 /// The input and, if there are two, its solution: a grid and a solution of PLOT3D, in either order.

@@ -29,6 +29,7 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     rules.chunks = Some(ChunkRules {
         memory: splatvol_io::memory::granted() / 2,
         holes: false,
+        whole_if_it_fits: false,
     });
     let mut input = input::load(&of_input(&args.read, name), terminal.reads(rules))?;
     let stored = input.volume.finest_grid().clone();

@@ -3,10 +3,10 @@
 //! Opacity is accumulated along the ray; the place is in the interval in which it grows most, where half of that
 //! growth is reached (Wiebel et al. 2012, "WYSIWYP: What You See Is What You Pick", section 4). Departures: an interval ends where
 //! the growth per length has a minimum, and samples are trilinear, not the picture's reconstruction: the value is
-//! that of the data.
+//! that of the data, or of the overview of a volume that is read in chunks.
 
 use splatvol::glam::{DAffine3, DVec2, DVec3};
-use splatvol::{Camera, Content, ImageSize, Item, Scene, TransferFunction, Volume};
+use splatvol::{Camera, ImageSize, Item, Scene, TransferFunction, Volume};
 
 /// Steps of a ray at most.
 const MOST_STEPS: usize = 4000;
@@ -56,25 +56,18 @@ struct Field<'a> {
 
 impl<'a> Field<'a> {
     fn of(item: &'a Item) -> Option<Self> {
-        let Content::Volume {
-            volume,
-            transfer_function,
-            ..
-        } = &item.content
-        else {
-            return None;
-        };
-        let grid = volume.grid();
+        let shown = item.as_volume()?;
+        let grid = shown.volume.grid();
         let world_from_voxel = item.world_from_item * grid.world_from_voxel();
         let spacing = grid.mean_spacing() * item.scale();
         Some(Self {
             item,
-            volume,
-            function: transfer_function,
+            volume: shown.volume,
+            function: shown.transfer_function,
             voxel_from_world: world_from_voxel.inverse(),
             item_from_world: item.world_from_item.inverse(),
             spacing,
-            unit_distance: transfer_function.unit_distance.unwrap_or(grid.mean_spacing()) * item.scale(),
+            unit_distance: shown.unit_distance(),
         })
     }
 

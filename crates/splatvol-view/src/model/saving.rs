@@ -12,7 +12,7 @@ use splatvol_document::resolve::laid_over;
 use splatvol_document::{Document, Picture, ReadRules, Record};
 use splatvol_io::{ImageFormat, encode_image};
 
-use super::engine::{News, Reporter, Warnings, render, resolve};
+use super::engine::{News, Reporter, Warnings, lock, render, resolve};
 use super::store::Store;
 
 /// A picture that is to be written.
@@ -74,7 +74,8 @@ fn save(
         return save_scene(saving);
     };
     let of = (&saving.document, saving.size);
-    let mut picture = resolve(store, of, (saving.rules, &Warnings::default())).map_err(|e| e.to_string())?;
+    let own = Mutex::new(lock(store).without_chunks());
+    let mut picture = resolve(&own, of, (saving.rules, &Warnings::default())).map_err(|e| e.to_string())?;
     if format == ImageFormat::Exr {
         // An EXR keeps its alpha, whatever the background.
         picture.scene.background = [0.0; 4];

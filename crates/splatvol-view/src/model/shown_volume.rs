@@ -1,4 +1,4 @@
-//! The selected item as it is shown, if it is a volume in memory.
+//! The selected item as it is shown, if it is a volume; of one that is read in chunks its overview.
 
 use splatvol::glam::DAffine3;
 use splatvol::{Item, TransferFunction, Volume};
@@ -11,20 +11,20 @@ use super::{Model, store};
 pub struct ShownVolume<'a> {
     item: &'a Item,
     keys: &'a ItemKeys,
-    /// Its samples.
+    /// Its samples, or an overview of them.
     pub volume: &'a Volume,
     /// Its look.
     pub function: &'a TransferFunction,
 }
 
 impl<'a> ShownVolume<'a> {
-    /// The item with this number, if it is a volume in memory that is shown.
+    /// The item with this number, if it is a volume that is shown.
     pub fn of(model: &'a Model, index: usize) -> Option<Self> {
         let items = &model.document().items;
         let keys = items.get(index).filter(|keys| keys.is_visible())?;
         let before = items[..index].iter().filter(|keys| keys.is_visible()).count();
         let item = model.shown()?.scene.items.get(before)?;
-        let shown = item.as_volume().filter(|shown| shown.volume.chunks().is_none())?;
+        let shown = item.as_volume()?;
         Some(Self {
             item,
             keys,

@@ -54,7 +54,7 @@ impl Palette {
 /// The samples `index` along an axis, sRGB: rows of the first of [`SIDES`], the last one of the second first.
 ///
 /// # Panics
-/// Indices outside the grid, and volumes that are not in memory.
+/// Indices outside the grid.
 pub fn slice(volume: &Volume, (across, index): (usize, usize), palette: &Palette) -> Vec<[u8; 3]> {
     let dims = volume.grid().dims();
     let strides = [1, dims[0], dims[0] * dims[1]];

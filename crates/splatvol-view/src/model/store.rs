@@ -1,6 +1,6 @@
 //! Data of items in memory, by the keys by which they are read: a change of look or place reads nothing again.
 
-use splatvol::Volume;
+use splatvol::{Grid, Volume};
 use splatvol_document::held::HeldContent;
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::{Document, DocumentError, Held, Reading};
@@ -11,7 +11,8 @@ const BINS: usize = 256;
 /// What is known about the data of an item.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
-    /// What they are, for a person: `256 x 256 x 109 u8`.
+    /// What they are, for a person: `256 x 256 x 109 u8`; of a volume that is read in chunks also its overview's size, of which
+    /// the values here are.
     pub summary: String,
     /// Range and histogram of the values, if they are a volume.
     pub values: Option<Values>,
@@ -85,6 +86,19 @@ impl Store {
         document.items.iter().map(of).collect()
     }
 
+    /// The same without volumes that are read in chunks: whoever draws beside the window opens them again, with a budget and chunks
+    /// of its own.
+    pub(super) fn without_chunks(&self) -> Self {
+        let is_whole = |held: &Held| match held.content() {
+            HeldContent::Volume(volume) => volume.chunks().is_none(),
+            _ => true,
+        };
+        let whole = self.entries.iter().filter(|(_, held, _)| is_whole(held));
+        Self {
+            entries: whole.cloned().collect(),
+        }
+    }
+
     fn entry(&self, item: &ItemKeys) -> Option<&(ItemKeys, Held, Facts)> {
         let keys = reading_keys(item);
         self.entries.iter().find(|(of, ..)| *of == keys)
@@ -135,15 +149,22 @@ fn facts(held: &Held) -> Facts {
 }
 
 fn of_volume(volume: &Volume) -> String {
-    let [x, y, z] = volume.grid().dims();
-    format!("{x} x {y} x {z} {}", volume.samples().type_name())
+    let sides = |grid: &Grid| {
+        let [x, y, z] = grid.dims();
+        format!("{x} x {y} x {z}")
+    };
+    let own = format!("{} {}", sides(volume.finest_grid()), volume.samples().type_name());
+    match volume.chunks() {
+        Some(_) => format!("{own} in chunks, overview {}", sides(volume.grid())),
+        None => own,
+    }
 }
 
 fn values(volume: &Volume) -> Values {
     Values {
         range: volume.value_range(),
         histogram: volume.histogram(BINS),
-        spacing: volume.grid().mean_spacing(),
+        spacing: volume.finest_grid().mean_spacing(),
         unit: volume.unit().symbol(),
     }
 }
