@@ -27,13 +27,17 @@ pub(crate) fn open(
     path: &Path,
     reading: Reading<'_>,
 ) -> Result<Option<Input>, DocumentError> {
-    let Some(rules) = reading.rules.chunks.filter(|_| item.labels != Some(true)) else {
+    let Some(rules) = reading.rules.chunks else {
         return Ok(None);
     };
     // The reader of whole volumes reports errors in its own words.
     let Ok(Some(opened)) = files::open_volume(path, &input::options(item, reading.rules)?) else {
         return Ok(None);
     };
+    if item.labels == Some(true) && !opened.description.is_labels {
+        // Classes of labels are averaged in memory, unless the file has levels of labels.
+        return Ok(None);
+    }
     let [layout, coarser @ ..] = opened.source.levels() else {
         return Ok(None);
     };

@@ -82,7 +82,7 @@ pub fn resolve(
         let (colors, opacities) = (old.colors().to_vec(), old.opacities().to_vec());
         look.transfer_function = TransferFunction::new(colors, opacities, keys.unit_distance)?;
     }
-    if let Some(labels) = keys.labels {
+    if let Some(labels) = keys.labels.or(input.description.is_labels.then_some(true)) {
         look.wishes.labels = labels;
         // Names of kinds have no values between them: each is coloured before it is spread.
         let first = Some(Classification::Pre).filter(|_| labels);

@@ -159,8 +159,9 @@ impl LayerStore {
         let ready = Ready::new(prepared, (camera, shown, levels), task)?;
         ready.count(shown, statistics);
         let all: Vec<&Shown<'_>> = shown.iter().collect();
-        let [brings, draws] = ready.shares();
-        let [bring, draw] = [&brings, &draws].map(|of| move |done: f64| (task.progress)(of(done)));
+        let reading = ready.reading_share();
+        let bring = |done: f64| (task.progress)(reading * done);
+        let draw = |done: f64| (task.progress)(reading + (1.0 - reading) * done);
         let assembler = Assembler {
             gpu,
             pass: &pipelines.assemble,
@@ -174,8 +175,8 @@ impl LayerStore {
             progress: &draw,
             ..task
         };
-        let prepared = Instant::now();
-        statistics.seconds.classify += (prepared - start).as_secs_f64();
+        let brought = Instant::now();
+        statistics.seconds.classify += (brought - start).as_secs_f64();
         let layers: Vec<Layer<'_>> = (0..shown.len())
             .map(|i| Layer {
                 shown: &shown[i],
@@ -208,7 +209,7 @@ impl LayerStore {
             .open((gpu, canvas), (clouds, &looks), view, task)
             .await?;
         statistics.sheets += planes_of(&marches, &drawn);
-        statistics.seconds.bin += prepared.elapsed().as_secs_f64();
+        statistics.seconds.bin += brought.elapsed().as_secs_f64();
         *cloud_bytes = match &mixture {
             None => {
                 let passes = of_clouds.integral.as_deref();
@@ -245,7 +246,7 @@ impl LayerStore {
                 gather.render(task, frame).await?
             }
         };
-        statistics.seconds.tiles += prepared.elapsed().as_secs_f64();
+        statistics.seconds.tiles += brought.elapsed().as_secs_f64();
         ready.finish(statistics)
     }
 

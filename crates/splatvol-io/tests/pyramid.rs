@@ -89,6 +89,48 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
+/// Levels of labels hold labels, and the image says so.
+#[test]
+fn labels_stay_labels() {
+    let dims = [37, 20, 9];
+    let labels: Vec<u16> = (0..dims.iter().product::<usize>())
+        .map(|i| [0, 7, 1000][i * 7919 % 3])
+        .collect();
+    let of = volume(dims, ElementType::U16, true);
+    let of = Volume::new(of.grid().clone(), labels, of.rescale(), of.unit()).unwrap();
+    for version in [OmeVersion::V04, OmeVersion::V05] {
+        for labels in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.ome.zarr");
+            let options = PyramidOptions {
+                version,
+                labels,
+                ..options()
+            };
+            let written = write_pyramid(&opened(&of), &path, &options, &|_| ()).unwrap();
+            let at = |level| {
+                let options = ReadOptions {
+                    level,
+                    ..ReadOptions::default()
+                };
+                read_volume(&path, &options).unwrap()
+            };
+            assert_eq!(at(0).volume.samples(), of.samples());
+            for level in 1..written.levels.len() {
+                let read = at(level);
+                assert_eq!(read.description.is_labels, labels, "{version:?}");
+                let Samples::U16(values) = read.volume.samples() else {
+                    panic!("{:?}", read.volume.samples().type_name());
+                };
+                let all = values.iter().all(|value| [0, 7, 1000].contains(value));
+                assert_eq!(all, labels, "{version:?} {level}");
+            }
+            let chunks = open_volume(&path, &ReadOptions::default()).unwrap().unwrap();
+            assert_eq!(chunks.source.is_of_labels(), labels);
+        }
+    }
+}
+
 #[test]
 fn every_type_comes_back_with_its_place() {
     for &element in ElementType::ALL {

@@ -70,6 +70,66 @@ fn pictures_of_chunks_are_those_of_memory() {
     assert!(sandbox.bytes("a.nrrd.png") == sandbox.bytes("a.ome.zarr.png"));
 }
 
+/// A label map of two balls.
+fn balls(edge: usize) -> Vec<u8> {
+    let header =
+        format!("NRRD0004\ntype: uint8\ndimension: 3\nsizes: {edge} {edge} {edge}\nencoding: raw\n\n");
+    let mut bytes = header.into_bytes();
+    let at = |n: usize| n as f64 / edge as f64;
+    for index in 0..edge.pow(3) {
+        let [x, y, z] = [index % edge, index / edge % edge, index / (edge * edge)].map(at);
+        let within = |centre: f64| {
+            let away = (x - centre).powi(2) + (y - 0.5).powi(2) + (z - centre).powi(2);
+            away < 0.06
+        };
+        bytes.push(match (within(0.3), within(0.72)) {
+            (true, _) => 3,
+            (_, true) => 200,
+            _ => 0,
+        });
+    }
+    bytes
+}
+
+/// Label maps in chunks are drawn from levels that hold labels, and from the finest where levels hold means.
+#[test]
+fn label_maps_in_chunks_have_levels_of_labels() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.nrrd", &balls(96));
+    sandbox.run("convert a.nrrd means.ome.zarr --chunk 16").succeeds();
+    sandbox
+        .run("convert a.nrrd labels.ome.zarr --chunk 16 --labels")
+        .succeeds();
+    // What it is stays with it.
+    sandbox
+        .run("convert labels.ome.zarr again.ome.zarr --chunk 32 --ome-version 0.4")
+        .succeeds();
+    let view = "--labels --size 48 --view front --no-metadata --memory 256MiB";
+    let picture = |name: &str| {
+        sandbox
+            .run(&format!("render {name} {view} --stats s.json -w -o {name}.png"))
+            .succeeds();
+        let json: serde_json::Value = serde_json::from_slice(&sandbox.bytes("s.json")).unwrap();
+        let read = json["chunks"]["reads"].as_u64().unwrap();
+        let image = read_image(sandbox.path(&format!("{name}.png"))).unwrap().image;
+        (json["level"].as_u64().unwrap(), read, image)
+    };
+    let (_, none, whole) = picture("a.nrrd");
+    let (finest, all, _) = picture("means.ome.zarr");
+    let (level, some, own) = picture("labels.ome.zarr");
+    let (_, _, again) = picture("again.ome.zarr");
+    assert_eq!((none, finest), (0, 0), "means of labels are none");
+    assert!(
+        level > 0 && some > 0 && 4 * some < all,
+        "level {level}: {some} of {all}"
+    );
+    assert!(own.pixels == again.pixels);
+    let squares = own.pixels.iter().flatten().zip(whole.pixels.iter().flatten());
+    let sum: f64 = squares.map(|(a, b)| f64::from(a - b).powi(2)).sum();
+    let decibels = -10.0 * (sum / (4 * own.pixels.len()) as f64).log10();
+    assert!(decibels > 25.0, "{decibels}");
+}
+
 /// Flat files that are larger than the memory are read in pieces; levels that they lack are made as pictures need them.
 #[test]
 fn flat_files_larger_than_the_memory_look_as_they_do_in_memory() {

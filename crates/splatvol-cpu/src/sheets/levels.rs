@@ -6,11 +6,16 @@
 //! read nor splatted. Only composited pictures have them: the largest value of a ray, its mean and its integral are of
 //! one level.
 
+use std::sync::Arc;
+
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::level::{Detail, Wanted, blend};
 use splatvol_core::plan::Segment;
-use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
+use splatvol_scene::{
+    Camera, ChunkSource, ChunkedVolume, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows,
+    Volume,
+};
 
 use super::engine::{SheetEngine, sampling};
 use crate::route::VolumeScene;
@@ -27,12 +32,12 @@ pub(super) fn detail(volume: (&Volume, bool), (camera, settings): Shot<'_>) -> D
     }
 }
 
-/// Whether a volume has levels of detail. Analytic gradients show the field as it is, and classes of labels are averaged in
-/// memory, since means of labels, as a file may have them, are none.
+/// Whether a volume has levels of detail. Analytic gradients show the field as it is. Classes of labels are averaged in memory;
+/// levels that a file has itself are taken if it says that they are labels, too: means of labels are none.
 fn has_levels((volume, labels): (&Volume, bool), settings: &RenderSettings<SheetSettings>) -> bool {
-    let is_in_chunks = volume.chunks().is_some();
+    let of_means = |chunks: &Arc<ChunkedVolume>| !chunks.source().is_of_labels();
     match Wanted::of(settings) {
-        Wanted::Classified => !(labels && is_in_chunks),
+        Wanted::Classified => !(labels && volume.chunks().is_some_and(of_means)),
         _ => settings.method.gradient != Gradient::Analytic,
     }
 }

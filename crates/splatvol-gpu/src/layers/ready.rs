@@ -75,11 +75,12 @@ impl<'p> Ready<'p> {
         }
     }
 
-    /// Shares of a picture's progress after shares of its voxels were brought, and of its planes drawn.
-    pub(super) fn shares(&self) -> [impl Fn(f64) -> f64 + use<>; 2] {
-        let reads = self.levels.iter().any(|level| level.field.is_lazy());
-        let brought = if reads { READING } else { 0.0 };
-        [[0.0, brought], [brought, 1.0]].map(|[from, to]| move |done: f64| from + (to - from) * done)
+    /// Share of a picture's progress that is left to reading chunks.
+    pub(super) fn reading_share(&self) -> f64 {
+        match self.levels.iter().any(|level| level.field.is_lazy()) {
+            true => READING,
+            false => 0.0,
+        }
     }
 
     /// Counts what was read.

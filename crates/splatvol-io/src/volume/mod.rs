@@ -89,6 +89,8 @@ pub struct Description {
     /// Samples along x, y, z of every level of detail, the finest first ([`ReadOptions::level`]); empty where the
     /// format has no levels.
     pub levels: Vec<[usize; 3]>,
+    /// Whether the file says that values are labels, those of coarser levels too.
+    pub is_labels: bool,
     /// The series of a folder, where there are several to choose from ([`ReadOptions::series`]).
     pub series: Vec<String>,
     /// Oddities that did not prevent reading.

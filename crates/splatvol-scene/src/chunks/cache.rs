@@ -176,6 +176,10 @@ impl ChunkSource for CachedSource {
         self.source.levels()
     }
 
+    fn is_of_labels(&self) -> bool {
+        self.source.is_of_labels()
+    }
+
     fn read(
         &self,
         level: usize,

@@ -114,6 +114,11 @@ pub trait ChunkSource: Debug + Send + Sync {
         None
     }
 
+    /// Whether values are labels, and those of coarser levels labels of the finest, not means.
+    fn is_of_labels(&self) -> bool {
+        false
+    }
+
     /// A hint which chunks are read next, in this order, each with its level. Sources may fetch them ahead.
     fn will_need(&self, _chunks: &[(usize, [usize; 3])]) {}
 

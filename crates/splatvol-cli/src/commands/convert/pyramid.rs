@@ -17,6 +17,7 @@ pub(super) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure
     }
     let mut options = args.pyramid.options(args.write.overwrite);
     let volume = open(args, &mut options, terminal)?;
+    options.labels |= volume.description.is_labels;
     let bar = terminal.progress(format!("Writing {}", args.output.display()));
     let written = write_pyramid(&volume, &args.output, &options, &|share| bar.set(share));
     drop(bar);

@@ -11,6 +11,9 @@ use crate::error::Context;
 /// Maximum number of levels that are read.
 const MAX_LEVELS: usize = 64;
 
+/// Key of an image whose values are labels.
+pub(super) const LABELS: &str = "image-label";
+
 /// One axis.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Axis {
@@ -38,6 +41,8 @@ pub(super) struct Image {
     pub(super) channels: Vec<String>,
     /// Further images in the same metadata.
     pub(super) others: usize,
+    /// Whether values are labels.
+    pub(super) is_labels: bool,
 }
 
 /// The metadata of a folder, wherever its version keeps them.
@@ -108,6 +113,7 @@ impl Image {
                 .map(|channel| text(channel.get("label")))
                 .collect(),
             others: scales.len() - 1,
+            is_labels: attributes.get(LABELS).is_some(),
         }))
     }
 }

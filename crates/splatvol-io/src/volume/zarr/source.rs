@@ -27,6 +27,7 @@ pub(super) struct ZarrSource {
     /// Folder, number of the first level, and how it is read.
     place: (Folder, usize, ReadOptions),
     identity: SourceIdentity,
+    is_of_labels: bool,
 }
 
 /// Opens all levels from the chosen one on.
@@ -42,6 +43,7 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
     let source = ZarrSource {
         layouts: levels.iter().map(|level| level.layout.clone()).collect(),
         identity: identity(store, &levels),
+        is_of_labels: finest.description.is_labels,
         spread: levels.iter().map(|_| OnceLock::new()).collect(),
         place: (store.folder.clone(), first, options.clone()),
         indices: levels.iter().map(|_| OnceLock::new()).collect(),
@@ -100,6 +102,10 @@ impl ChunkSource for ZarrSource {
         let (folder, first, options) = &self.place;
         let read = || spread::read(folder, first + level, &self.levels[level], options);
         self.spread[level].get_or_init(read).clone()
+    }
+
+    fn is_of_labels(&self) -> bool {
+        self.is_of_labels
     }
 
     fn identity(&self) -> SourceIdentity {

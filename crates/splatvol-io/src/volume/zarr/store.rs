@@ -54,6 +54,7 @@ impl Store {
                 .iter()
                 .map(|array| geometry::spatial_sizes(array, &image))
                 .collect(),
+            is_labels: image.is_labels,
             ..Description::default()
         };
         if image.others > 0 {

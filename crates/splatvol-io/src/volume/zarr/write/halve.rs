@@ -58,14 +58,8 @@ struct Halving {
 
 /// Means that make the region `to` of the next level, from the samples of a region of a level of `dims`. All samples that
 /// the new ones cover must be in it.
-pub(super) fn halve(samples: &Samples, of: VoxelBox, dims: [usize; 3], to: VoxelBox, into: &mut Samples) {
-    let axes = [0, 1, 2].map(|axis| covers(dims[axis], to.first[axis], to.size[axis]));
-    let totals = [axes[0].1, axes[1].1, axes[2].1];
-    let halving = Halving {
-        of,
-        covers: axes.map(|(covers, _)| covers),
-        totals,
-    };
+pub(super) fn halve((samples, of): (&Samples, VoxelBox), dims: [usize; 3], to: VoxelBox, into: &mut Samples) {
+    let halving = Halving::new(of, dims, to);
     into.refill(samples.element_type(), to.len(), 0.0);
     macro_rules! by_type {
         ($($variant:ident $method:ident;)*) => {
@@ -86,6 +80,28 @@ pub(super) fn halve(samples: &Samples, of: VoxelBox, dims: [usize; 3], to: Voxel
         F32 floats;
         F64 floats;
     }
+}
+
+/// As [`halve`], with the sample that has the largest part of each box; of those with equal parts, the smallest. Missing samples
+/// have no part.
+pub(super) fn majorities(
+    (samples, of): (&Samples, VoxelBox),
+    dims: [usize; 3],
+    to: VoxelBox,
+    into: &mut Samples,
+) {
+    let halving = Halving::new(of, dims, to);
+    into.refill(samples.element_type(), to.len(), f64::NAN);
+    macro_rules! by_type {
+        ($($variant:ident)*) => {
+            match (samples, into) {
+                $((Samples::$variant(old), Samples::$variant(new)) => halving.majorities(old, new.to_mut()),)*
+                // `into` has just been given the type of `samples`.
+                _ => (),
+            }
+        };
+    }
+    by_type!(U8 I8 U16 I16 U32 I32 F32 F64);
 }
 
 /// Whole numbers, sums of which are exact.
@@ -157,6 +173,16 @@ impl Float for f64 {
 }
 
 impl Halving {
+    /// Work on the region `to` of the next level, from a region of a level of `dims`.
+    fn new(of: VoxelBox, dims: [usize; 3], to: VoxelBox) -> Self {
+        let axes = [0, 1, 2].map(|axis| covers(dims[axis], to.first[axis], to.size[axis]));
+        Self {
+            of,
+            totals: [axes[0].1, axes[1].1, axes[2].1],
+            covers: axes.map(|(covers, _)| covers),
+        }
+    }
+
     /// Calls `row` with every row of new samples and the old rows that it covers, with their weights.
     fn rows<'a, T>(
         &'a self,
@@ -214,6 +240,40 @@ impl Halving {
         });
     }
 
+    fn majorities<T: Copy + PartialOrd>(&self, old: &[T], new: &mut [T]) {
+        // At most three samples along each axis.
+        let mut met: Vec<(T, u64)> = Vec::with_capacity(27);
+        let mut around = Vec::with_capacity(9);
+        self.rows(old, new, |rows, into| {
+            around.clear();
+            around.extend(rows.map(|(row, [y, z])| (row, u64::from(y) * u64::from(z))));
+            for (to, cover) in into.iter_mut().zip(&self.covers[0]) {
+                met.clear();
+                for &(row, of_row) in &around {
+                    for (x, weight) in cover.taps() {
+                        let (label, part) = (row[x - self.of.first[0]], of_row * u64::from(weight));
+                        match met.iter_mut().find(|(known, _)| *known == label) {
+                            Some((_, sum)) => *sum += part,
+                            None => met.push((label, part)),
+                        }
+                    }
+                }
+                // A missing sample is not equal to itself.
+                let labels = met
+                    .iter()
+                    .copied()
+                    .filter(|(label, _)| label.partial_cmp(label).is_some());
+                let larger = |a: (T, u64), b: (T, u64)| match b.1 > a.1 || (b.1 == a.1 && b.0 < a.0) {
+                    true => b,
+                    false => a,
+                };
+                if let Some((label, _)) = labels.reduce(larger) {
+                    *to = label;
+                }
+            }
+        });
+    }
+
     /// Missing samples have no share; a mean of nothing else is missing.
     fn floats<T: Float>(&self, old: &[T], new: &mut [T]) {
         let [of_x, of_y, of_z] = self.totals.map(f64::from);
@@ -257,13 +317,37 @@ mod tests {
     fn halved(samples: Samples, dims: [usize; 3]) -> Samples {
         let mut new = Samples::U8(Vec::new().into());
         halve(
-            &samples,
-            whole(dims),
+            (&samples, whole(dims)),
             dims,
             whole(dims.map(|n| n.div_ceil(2))),
             &mut new,
         );
         new
+    }
+
+    #[test]
+    fn labels_are_those_that_most_of_a_box_have() {
+        let most = |samples: Samples, dims: [usize; 3]| {
+            let mut new = Samples::U8(Vec::new().into());
+            let to = whole(dims.map(|n| n.div_ceil(2)));
+            majorities((&samples, whole(dims)), dims, to, &mut new);
+            new
+        };
+        // Of equal parts the smallest; never a value between them.
+        let labels = Samples::U16(vec![9, 9, 3, 9, 7, 2, 5, 5].into());
+        assert_eq!(most(labels, [4, 2, 1]), Samples::U16(vec![9, 5].into()));
+        let labels = Samples::I8(vec![4, -4].into());
+        assert_eq!(most(labels, [2, 1, 1]), Samples::I8(vec![-4].into()));
+        // Five cells on three: 3 2 | 1 3 1 | 2 3 fifths.
+        let labels = Samples::U32(vec![1, 8, 2, 8, 6].into());
+        assert_eq!(most(labels, [5, 1, 1]), Samples::U32(vec![1, 2, 6].into()));
+        let Samples::F32(found) = most(
+            Samples::F32(vec![f32::NAN, 3.0, f32::NAN, f32::NAN].into()),
+            [4, 1, 1],
+        ) else {
+            panic!()
+        };
+        assert!(found[0] == 3.0 && found[1].is_nan(), "{found:?}");
     }
 
     #[test]
@@ -331,7 +415,7 @@ mod tests {
             &mut part,
             of
         ));
-        halve(&part, of, dims, to, &mut new);
+        halve((&part, of), dims, to, &mut new);
         let mut cut = samples.element_type().filled(to.len(), 0.0);
         splatvol_scene::chunks::copy_box(&expected, whole(new_dims), &mut cut, to);
         assert_eq!(new, cut);

@@ -12,6 +12,7 @@ use super::{Compression, OmeVersion, PyramidOptions};
 use crate::IoError;
 use crate::volume::zarr::blosc::BLOCK;
 use crate::volume::zarr::geometry::finest_from_level;
+use crate::volume::zarr::ome::LABELS;
 use crate::volume::zarr::own::Own;
 
 /// An array of any number of axes, the slowest first.
@@ -155,8 +156,9 @@ pub(super) fn image(
     finest: &LevelLayout,
     (unit, oriented): (LengthUnit, bool),
     plan: &Plan,
-    version: OmeVersion,
+    options: &PyramidOptions,
 ) -> Map<String, Value> {
+    let version = options.version;
     let axis = |name: &str| {
         let mut axis = json!({ "name": name, "type": "space" });
         if let Some(unit) = unit_name(unit) {
@@ -181,19 +183,23 @@ pub(super) fn image(
         ] })
         })
         .collect();
-    let mut scales =
-        json!({ "axes": [axis("z"), axis("y"), axis("x")], "datasets": datasets, "type": "mean" });
+    let kind = if options.labels { "mode" } else { "mean" };
+    let mut scales = json!({ "axes": [axis("z"), axis("y"), axis("x")], "datasets": datasets, "type": kind });
     let mut attributes = Map::new();
     match version {
         OmeVersion::V05 => {
-            attributes.insert(
-                "ome".to_owned(),
-                json!({ "version": "0.5", "multiscales": [scales] }),
-            );
+            let mut image = json!({ "version": "0.5", "multiscales": [scales] });
+            if options.labels {
+                image[LABELS] = json!({ "version": "0.5" });
+            }
+            attributes.insert("ome".to_owned(), image);
         }
         OmeVersion::V04 => {
             scales["version"] = json!("0.4");
             attributes.insert("multiscales".to_owned(), json!([scales]));
+            if options.labels {
+                attributes.insert(LABELS.to_owned(), json!({ "version": "0.4" }));
+            }
         }
     }
     let own = Own {

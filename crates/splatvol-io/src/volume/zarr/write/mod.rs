@@ -85,6 +85,8 @@ pub struct PyramidOptions {
     pub chunk: usize,
     /// Number of levels, the finest included; if absent, until the coarsest is one chunk.
     pub levels: Option<usize>,
+    /// Whether values are labels: samples of the next level are those that most of their box have, not means.
+    pub labels: bool,
     /// Bytes that all buffers together may take.
     pub memory: u64,
     /// Threads; fewer work where there is no memory for all.
@@ -105,6 +107,7 @@ impl Default for PyramidOptions {
             compression: Compression::default(),
             chunk: 64,
             levels: None,
+            labels: false,
             memory: crate::memory::granted() / 2,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             overwrite: false,
@@ -123,7 +126,7 @@ pub struct Pyramid {
     pub warnings: Vec<String>,
 }
 
-/// Writes the finest level of a source, and means of it as further levels, as OME-Zarr. The folder appears when it is
+/// Writes the finest level of a source, and means of it as further levels, as OME-Zarr; of labels those that most samples have. The folder appears when it is
 /// complete; where an earlier process was stopped, its work is continued. `progress` is told the finished share.
 ///
 /// # Errors
@@ -205,6 +208,7 @@ impl<'a> Writer<'a> {
             "compression": format!("{:?}", self.options.compression),
             "chunk": self.options.chunk,
             "levels": self.plan.levels.len(),
+            "labels": self.options.labels,
         });
         format!("{state:#}\n")
     }
@@ -318,7 +322,7 @@ impl<'a> Writer<'a> {
             }
         }
         let of_volume = (self.volume.unit, self.volume.description.oriented);
-        let attributes = metadata::image(finest(self.volume), of_volume, &self.plan, version);
+        let attributes = metadata::image(finest(self.volume), of_volume, &self.plan, self.options);
         metadata::write_group(&store, attributes, version)?;
         if self.path.exists() {
             let old = self.partial.join("old");

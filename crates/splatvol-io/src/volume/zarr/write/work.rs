@@ -9,7 +9,7 @@ use splatvol_scene::{ChunkBuffer, ChunkSource, Samples};
 use super::PyramidOptions;
 use super::bounds::{self, Done};
 use super::chunks::LevelFiles;
-use super::halve::halve;
+use super::halve::{halve, majorities};
 use super::plan::Plan;
 use crate::IoError;
 use crate::error::Context;
@@ -113,7 +113,11 @@ impl LevelWork<'_> {
                 .write(task.own, samples, &mut memory.chunk)?;
         }
         if let Some(next) = task.next {
-            halve(&memory.read, task.read, own.dims, next, &mut memory.next);
+            let of = (&memory.read, task.read);
+            match self.options.labels {
+                true => majorities(of, own.dims, next, &mut memory.next),
+                false => halve(of, own.dims, next, &mut memory.next),
+            }
             self.files(self.level + 1)
                 .write(next, (&memory.next, next), &mut memory.chunk)?;
         }
