@@ -97,7 +97,13 @@ fn labels_stay_labels() {
         .map(|i| [0, 7, 1000][i * 7919 % 3])
         .collect();
     let of = volume(dims, ElementType::U16, true);
-    let of = Volume::new(of.grid().clone(), labels, of.rescale(), of.unit()).unwrap();
+    let of = Volume::new(
+        of.grid().clone(),
+        Samples::U16(labels.into()),
+        of.rescale(),
+        of.unit(),
+    )
+    .unwrap();
     for version in [OmeVersion::V04, OmeVersion::V05] {
         for labels in [false, true] {
             let folder = tempfile::tempdir().unwrap();

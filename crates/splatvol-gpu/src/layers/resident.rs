@@ -48,7 +48,7 @@ impl OnDevice {
             at.push(there.unwrap_or(resident.len()));
             if there.is_none() {
                 let share = |done: f64| {
-                    (assembler.task.progress)((at.len() as f64 - 1.0 + done) / shown.len() as f64)
+                    (assembler.task.progress)((at.len() as f64 - 1.0 + done) / shown.len() as f64);
                 };
                 let part = Assembler {
                     task: assembler.task.unseen(&share),
