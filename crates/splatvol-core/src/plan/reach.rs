@@ -41,6 +41,19 @@ impl<'a> Reach<'a> {
         }
     }
 
+    /// The same for kernels that may end farther from their voxel, by this world length at most.
+    #[must_use]
+    pub fn beyond(mut self, length: f64) -> Self {
+        for zone in &mut self.zones {
+            let scale = zone.screen.scale_at(zone.nearest);
+            // At the eye no margin is too large.
+            let scale = if scale > 0.0 { scale } else { f64::MAX };
+            zone.margin = (zone.margin + length * scale).min(f64::MAX);
+            zone.reach += length;
+        }
+        self
+    }
+
     /// Whether the brick that begins at a lattice point is needed.
     pub fn meets(&self, first: [u32; 3]) -> bool {
         let low = DVec3::from_array(first.map(f64::from));

@@ -11,7 +11,7 @@ use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::level::{Level, Pyramid, Wanted};
 use splatvol_core::plan::{GridView, Reach, on_common_planes};
 use splatvol_core::prepared::PreparedVolumes;
-use splatvol_scene::{Camera, ImageSize, SceneError};
+use splatvol_scene::{Camera, RenderSettings, SceneError, SheetSettings};
 
 use crate::atlas::CHUNKS_TOGETHER;
 use crate::shown::Shown;
@@ -62,7 +62,7 @@ impl<'p> Ready<'p> {
         ready.views = views(camera, shown, &classified);
         for (at, level) in classified.into_iter().enumerate() {
             let memory = ready.memories[at].as_ref();
-            restrict((&mut *level, memory), &ready.views[at], shown[at].settings.size)?;
+            restrict((&mut *level, memory), &ready.views[at], &shown[at].settings)?;
             ready.levels.push(level);
         }
         Ok(ready)
@@ -120,7 +120,7 @@ pub(super) fn memory_of(
 pub(super) fn restrict(
     (level, memory): (&mut Level, Option<&ChunkMemory>),
     view: &GridView,
-    size: ImageSize,
+    settings: &RenderSettings<SheetSettings>,
 ) -> Result<(), SceneError> {
     let Some(memory) = memory else {
         return Ok(());
@@ -129,7 +129,10 @@ pub(super) fn restrict(
     if !level.field.is_lazy() {
         return Ok(());
     }
-    let reach = Reach::new(view, TileRect::of(size));
+    // Kernels end at a box along the grid's axes, whose corners are farther away than footprints.
+    let spacing = level.field.source().grid().spacing().max_element();
+    let corner = 3f64.sqrt() * settings.method.kernel.radius * spacing;
+    let reach = Reach::new(view, TileRect::of(settings.size)).beyond(corner);
     level.restrict(&|first| reach.meets(first));
     let bytes = level.field.len() as u64 * BRICK;
     if bytes <= memory.plan() {

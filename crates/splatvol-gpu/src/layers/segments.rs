@@ -95,7 +95,7 @@ impl LayerStore {
         };
         let views = std::iter::once(view).chain(next.as_ref().map(|(view, _)| view));
         for (level, view) in classified.iter_mut().zip(views.clone()) {
-            restrict((level, of_chunks.as_ref()), view, own.settings.size)?;
+            restrict((level, of_chunks.as_ref()), view, &own.settings)?;
         }
         let classified: Vec<&Level> = classified.into_iter().map(|level| &*level).collect();
         for level in &classified {
