@@ -121,7 +121,7 @@ fn pictures_from_chunks_are_those_from_memory() {
         // Both have one budget.
         drop(own);
         let mut small = gpu_of(&GpuConfig {
-            budget: Some(60 * 19usize.pow(3) * 4),
+            budget: Some(80 * 19usize.pow(3) * 4),
             ..GpuConfig::default()
         })
         .unwrap();
