@@ -117,6 +117,13 @@ fn label_maps_in_chunks_have_levels_of_labels() {
     let (_, _, whole) = picture("a.nrrd");
     let (_, reads, means) = picture("means.ome.zarr");
     assert!(reads == 0 && means.pixels == whole.pixels, "read whole");
+    // The same where nobody said that they are labels, and for a picture like it.
+    sandbox
+        .run("render means.ome.zarr --size 48 --view front -o seen.png")
+        .succeeds();
+    sandbox.run("render --like seen.png -o again.png").succeeds();
+    let seen = sandbox.bytes("seen.png");
+    assert!(seen == sandbox.bytes("again.png"));
     let (level, reads, own) = picture("labels.ome.zarr");
     assert!(level > 0 && reads > 0, "level {level}, {reads} reads");
     let (_, _, again) = picture("again.ome.zarr");

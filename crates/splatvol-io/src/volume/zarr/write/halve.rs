@@ -4,6 +4,8 @@
 //! Lengths are whole numbers of `1 / m`-ths of a cell, so that the means of integers are exact sums, rounded once, to the
 //! nearest (halves to the even one, which keeps the mean of all). Levels made in memory have the same boxes, but weights
 //! in 32-bit floats and samples in 16 bits of the range: pictures hang on their bits, so the two do not share code.
+//!
+//! Of labels, which have no mean, the one with the largest part of each box.
 
 use splatvol_scene::{Samples, VoxelBox};
 
