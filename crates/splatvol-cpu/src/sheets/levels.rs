@@ -6,16 +6,11 @@
 //! read nor splatted. Only composited pictures have them: the largest value of a ray, its mean and its integral are of
 //! one level.
 
-use std::sync::Arc;
-
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::level::{Detail, Wanted, blend};
 use splatvol_core::plan::Segment;
-use splatvol_scene::{
-    Camera, ChunkSource, ChunkedVolume, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows,
-    Volume,
-};
+use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::engine::{SheetEngine, sampling};
 use crate::route::VolumeScene;
@@ -25,21 +20,16 @@ use crate::run::{Pass, Run};
 type Shot<'a> = (&'a Camera, &'a RenderSettings<SheetSettings>);
 
 /// Level of detail of a volume.
-pub(super) fn detail(volume: (&Volume, bool), (camera, settings): Shot<'_>) -> Detail {
-    match has_levels(volume, settings) {
-        true => Detail::new(volume.0, camera, (settings.size, settings.method.level_bias)),
+pub(super) fn detail(volume: &Volume, (camera, settings): Shot<'_>) -> Detail {
+    match has_levels(settings) {
+        true => Detail::new(volume, camera, (settings.size, settings.method.level_bias)),
         false => Detail::FINEST,
     }
 }
 
-/// Whether a volume has levels of detail. Analytic gradients show the field as it is. Classes of labels are averaged in memory;
-/// levels that a file has itself are taken if it says that they are labels, too: means of labels are none.
-fn has_levels((volume, labels): (&Volume, bool), settings: &RenderSettings<SheetSettings>) -> bool {
-    let of_means = |chunks: &Arc<ChunkedVolume>| !chunks.source().is_of_labels();
-    match Wanted::of(settings) {
-        Wanted::Classified => !(labels && volume.chunks().is_some_and(of_means)),
-        _ => settings.method.gradient != Gradient::Analytic,
-    }
+/// Whether pictures have levels of detail. Analytic gradients show the field as it is.
+fn has_levels(settings: &RenderSettings<SheetSettings>) -> bool {
+    Wanted::of(settings) == Wanted::Classified || settings.method.gradient != Gradient::Analytic
 }
 
 impl SheetEngine {
@@ -81,8 +71,7 @@ impl SheetEngine {
     ) -> Result<Vec<Segment>, SceneError> {
         let composites = matches!(settings.method.shows, Shows::Material(_));
         // Lit faces of clips are found along the whole ray.
-        let has_levels = has_levels((&scene.volume, scene.labels), settings);
-        if !composites || !scene.effects.clips.is_empty() || !has_levels {
+        if !composites || !scene.effects.clips.is_empty() || !has_levels(settings) {
             return Ok(Vec::new());
         }
         let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {
@@ -134,7 +123,7 @@ impl SheetEngine {
         shot: Shot<'_>,
         (frame, statistics): (&mut Frame, &mut RenderStatistics),
     ) -> Result<(), SceneError> {
-        let detail = detail((&scene.volume, scene.labels), shot);
+        let detail = detail(&scene.volume, shot);
         statistics.level = detail.level;
         statistics.levels = 1 + usize::from(detail.coarser > 0.0);
         // The coarser level has a quarter of the pixels' voxels to splat.

@@ -220,7 +220,7 @@ impl SheetEngine {
             let details: Vec<Detail> = scene
                 .volumes
                 .iter()
-                .map(|own| detail((&own.volume, own.labels), (camera, &own.settings(settings))))
+                .map(|own| detail(&own.volume, (camera, &own.settings(settings))))
                 .collect();
             let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
             let view = (camera, settings);
