@@ -113,10 +113,25 @@ impl From<DocumentError> for Failure {
 }
 
 impl Failure {
-    /// Names keys as a scene file has them.
-    pub(crate) fn of_scene(error: DocumentError) -> Self {
+    /// Names keys as a scene file has them, and the file, if they are those of an item, which has no flags.
+    pub(crate) fn of_scene(error: DocumentError, file: &str) -> Self {
         match error {
-            DocumentError::Refused { .. } => Self::usage(error),
+            DocumentError::Refused {
+                ref message,
+                ref hint,
+                ..
+            } => {
+                let of_item = message.starts_with("`item[");
+                let place = if of_item {
+                    format!("{file}: ")
+                } else {
+                    String::new()
+                };
+                Self {
+                    hint: hint.clone(),
+                    ..Self::usage(format!("{place}{error}"))
+                }
+            }
             other => other.into(),
         }
     }
@@ -134,7 +149,7 @@ fn as_flags(message: &str) -> String {
 
 /// The flag of a key, or the key where there is none: of several items, and of what stands in files only.
 pub(crate) fn flag(key: &str) -> String {
-    if key.starts_with("item[") || key == "effects.regions" {
+    if key.starts_with("item[") || key.starts_with("effects.regions") {
         return key.to_owned();
     }
     let name = match key {

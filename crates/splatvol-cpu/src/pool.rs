@@ -63,6 +63,14 @@ impl Pool {
         }
     }
 
+    /// Whether the calling thread is one of these.
+    pub fn is_current(&self) -> bool {
+        match &self.0 {
+            Threads::Started(pool) => pool.current_thread_index().is_some(),
+            Threads::Calling => true,
+        }
+    }
+
     /// Runs work on these threads, and waits for it.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.0 {

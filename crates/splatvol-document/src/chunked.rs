@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use splatvol_io::Opened;
-use splatvol_scene::{Budget, ChunkedVolume, SceneError};
+use splatvol_scene::{Budget, ChunkedVolume, LevelLayout};
 
 use crate::input::{self, ChunkRules, Input, Reading};
 use crate::keys::ItemKeys;
@@ -42,7 +42,10 @@ pub(crate) fn open(
         return Ok(None);
     };
     let allowed = reading.rules.max_bytes.unwrap_or(u64::MAX).min(rules.memory);
+    let holes = rules.holes && opened.is_divided;
     let is_small = match opened.is_divided && !rules.whole_if_it_fits {
+        // Holes are those of volumes in chunks.
+        _ if holes => false,
         true => coarser.is_empty() && layout.grid.sample_count() <= OVERVIEW,
         false => layout.bytes() <= allowed,
     };
@@ -56,7 +59,7 @@ pub(crate) fn open(
             layout.bytes()
         ));
     }
-    let input = of_source(opened, rules).map_err(|error| DocumentError::from(error).of_item(&item.file))?;
+    let input = of_source(opened, rules).map_err(|error| error.of_item(&item.file))?;
     if input.volume.statistics().non_finite > 0 {
         // Missing samples are drawn from memory alone.
         return Ok(None);
@@ -67,8 +70,31 @@ pub(crate) fn open(
     Ok(Some(input))
 }
 
+/// Bytes of the samples of an overview: of this level, or of every n-th sample of it.
+fn bytes_of_overview(level: &LevelLayout) -> u64 {
+    let dims = level.grid.dims();
+    let thinned = |step: usize| dims.map(|n| n.div_ceil(step)).iter().product::<usize>();
+    let samples = (1..).map(thinned).find(|samples| *samples <= OVERVIEW);
+    samples.unwrap_or(OVERVIEW) as u64 * level.element.size() as u64
+}
+
+impl ChunkRules {
+    /// Why volumes of a file cannot be drawn.
+    fn too_small_for(self, needed: u64) -> DocumentError {
+        let least = (needed + Self::PROGRAM).div_ceil(1 << 20);
+        let why = format!(
+            "leaves {} bytes for the samples of this volume, whose overview takes {needed}: at least {least}M",
+            self.memory
+        );
+        DocumentError::refused("memory", why)
+    }
+}
+
 /// A volume whose chunks are read when they are drawn: its overview is read here.
-pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, SceneError> {
+///
+/// # Errors
+/// Samples that cannot be read; memory that is too small for the overview, with what is enough for it.
+pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, DocumentError> {
     let Opened {
         source,
         unit,
@@ -80,11 +106,19 @@ pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, Scen
         counts.clone().position(|count| count <= OVERVIEW),
         counts.len() - 1,
     );
-    let too_small = |_| SceneError::invalid("memory", rules.memory, "more bytes");
+    let level = overview.unwrap_or(last);
+    let needed = bytes_of_overview(&source.levels()[level]);
+    let too_small = || rules.too_small_for(needed);
     let budget = Budget::new(rules.memory);
-    let chunks = ChunkedVolume::new(source, unit, (budget, rules.holes)).map_err(too_small)?;
+    let chunks = ChunkedVolume::new(source, unit, (budget, rules.holes)).map_err(|_| too_small())?;
+    let volume = chunks
+        .over(level, OVERVIEW)
+        .map_err(|error| match needed > rules.memory {
+            true => too_small(),
+            false => error.into(),
+        })?;
     Ok(Input {
-        volume: Arc::new(chunks.over(overview.unwrap_or(last), OVERVIEW)?),
+        volume: Arc::new(volume),
         description,
         sample: None,
         mesh: None,

@@ -9,7 +9,7 @@ use splatvol_scene::{
 };
 
 use crate::input::Reading;
-use crate::keys::{EffectKeys, ItemKeys};
+use crate::keys::{EffectKeys, ItemKeys, check_gradient_opacity, check_regions};
 use crate::{DocumentError, files};
 
 /// Distance of veins or rings, share of the diagonal.
@@ -39,8 +39,11 @@ pub(crate) fn transfer_function_2d(
     let function = match (&keys.tf2d, &keys.regions) {
         (None, None) => return Ok(None),
         (Some(path), None) => files::read_transfer_function_2d(reading.locate(path), unit_distance)?,
-        (None, Some(regions)) => TransferFunction2d::new(regions, unit_distance)
-            .map_err(|error| DocumentError::refused("effects.regions", format!(": {error}")))?,
+        (None, Some(regions)) => {
+            check_regions(regions)?;
+            TransferFunction2d::new(regions, unit_distance)
+                .map_err(|error| DocumentError::refused("effects.regions", format!(": {error}")))?
+        }
         (Some(_), Some(_)) => {
             return Err(DocumentError::refused(
                 "effects.regions",
@@ -68,6 +71,8 @@ pub(crate) fn resolve(
         effects.push(function);
     }
     if let Some(curve) = &keys.gradient_opacity {
+        check_gradient_opacity(curve)
+            .map_err(|why| DocumentError::refused("effects.gradient-opacity", why))?;
         effects.push(GradientOpacity::new(curve)?);
     }
     if let Some(name) = keys.texture {

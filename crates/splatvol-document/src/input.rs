@@ -48,6 +48,11 @@ pub struct ChunkRules {
     pub whole_if_it_fits: bool,
 }
 
+impl ChunkRules {
+    /// Bytes that a program takes beside volumes and their picture.
+    pub const PROGRAM: u64 = 24 << 20;
+}
+
 /// Where and how files are read.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {

@@ -13,11 +13,10 @@ use splatvol_scene::{
 use crate::effects::transfer_function_2d;
 use crate::held::{Held, HeldContent};
 use crate::input::{self, Input, Reading};
-use crate::keys::names::UpAxis;
 use crate::keys::{EffectKeys, ItemKeys, Opacity};
 use crate::look::{self, Look, Wishes};
 use crate::upright::{self, Up};
-use crate::{DocumentError, ReadRules, files, meaning, spelling, standing};
+use crate::{DocumentError, ReadRules, files, meaning, spelling};
 
 /// An item, and the wishes of its data.
 pub(crate) struct Loaded {
@@ -52,10 +51,17 @@ pub(crate) struct Among<'a> {
 /// Files that cannot be read or are of no known kind.
 pub fn kind(item: &ItemKeys, reading: Reading<'_>) -> Result<(DataKind, PathBuf), DocumentError> {
     let path = reading.locate(&item.file);
+    let options = options(item, reading.rules)?;
     if item.file.starts_with("sample:") {
-        return Ok((DataKind::Volume, path));
+        return match options.kind.filter(|kind| *kind != DataKind::Volume) {
+            Some(kind) => {
+                let why = format!("= {}: a built-in sample is a volume", kind.name());
+                Err(DocumentError::refused("item.kind", why).of_item(&item.file))
+            }
+            None => Ok((DataKind::Volume, path)),
+        };
     }
-    let kind = files::data_kind(&path, &options(item, reading.rules)?)?;
+    let kind = files::data_kind(&path, &options)?;
     Ok((kind, path))
 }
 
@@ -77,6 +83,7 @@ pub fn options(item: &ItemKeys, rules: ReadRules) -> Result<DataOptions, Documen
 
 /// An item, from its file or from the data that are held for it.
 pub(crate) fn load(keys: &ItemKeys, held: Option<&Held>, among: Among<'_>) -> Result<Loaded, DocumentError> {
+    keys.check_values()?;
     let place = keys.world_from_file()?;
     let held = match held {
         Some(held) => {
@@ -138,17 +145,14 @@ fn input_of(volume: Arc<Volume>, held: &Held) -> Input {
 fn other(keys: &ItemKeys, place: DAffine3, held: &Held, among: Among<'_>) -> Result<Loaded, DocumentError> {
     let mut keys = keys.clone();
     let description = held.description();
-    let frameless = held.kind() == DataKind::Points && description.format.starts_with("PLY");
     let mut frame = DAffine3::IDENTITY;
     let mut known_look = None;
     let item = match held.content() {
         HeldContent::Points(points) => {
-            if frameless && stands(&keys, among) && standing::is_y_up(points.positions()) {
-                let note = format!("{}: it stands with y up; --up says otherwise", keys.file);
-                among.reading.listener.detail(&note);
-                keys.up = Some(UpAxis::Y);
+            if held.kind() == DataKind::Points && stands(&keys, among) {
+                keys.up = Up::of_points(points, description).said(&keys.file, among.reading.listener);
             }
-            Item::points(Arc::clone(points), point_look(&keys)?)
+            Item::points(Arc::clone(points), point_look(&keys))
         }
         HeldContent::Gaussians(gaussians) => {
             frame = gaussians.world_from_local().inverse();
@@ -202,32 +206,15 @@ impl Loaded {
     }
 }
 
-fn point_look(keys: &ItemKeys) -> Result<PointLook, DocumentError> {
+fn point_look(keys: &ItemKeys) -> PointLook {
     let default = PointLook::default();
-    let color = keys.color.unwrap_or(default.color);
-    let opacity = match keys.opacity {
-        Some(Opacity::Share(share)) => share,
-        _ => default.opacity,
-    };
-    let refused =
-        |key: &str, why: String| Err(DocumentError::refused(&format!("item.{key}"), why).of_item(&keys.file));
-    let unit = |value: &f64| (0.0..=1.0).contains(value);
-    if !color.iter().all(unit) {
-        return refused("color", format!("{color:?} is not in 0..1"));
-    }
-    if !unit(&opacity) {
-        return refused("point-opacity", format!("{opacity} is not in 0..1"));
-    }
-    match keys
-        .radius
-        .filter(|radius| !(radius.is_finite() && *radius > 0.0))
-    {
-        Some(radius) => refused("radius", format!("{radius} is not a length above zero")),
-        None => Ok(PointLook {
-            color,
-            opacity,
-            radius: keys.radius,
-        }),
+    PointLook {
+        color: keys.color.unwrap_or(default.color),
+        opacity: match keys.opacity {
+            Some(Opacity::Share(share)) => share,
+            _ => default.opacity,
+        },
+        radius: keys.radius,
     }
 }
 

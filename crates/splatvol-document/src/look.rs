@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
-use splatvol_scene::transfer_function::ValueKind;
+use splatvol_scene::transfer_function::{AutomaticChoice, ValueKind};
 use splatvol_scene::{
     Classification, ColorMap, ColorPoint, Compositing, GradientOpacityPoint, Item, OpacityPoint,
     TransferFunction, Volume,
@@ -108,8 +108,8 @@ fn chosen(
     }
     let [low, high] = keys.clim.unwrap_or(volume.value_range());
     if let Some(value) = keys.iso {
-        let width = ((high - low) / 50.0).max(f64::MIN_POSITIVE);
-        let surface = TransferFunction::isosurface(value, width, SURFACE)?;
+        let surface =
+            TransferFunction::isosurface(value, surface_width(value, [low, high], volume), SURFACE)?;
         return match map {
             Some(map) => colored(&surface, map, [low, high]).map(Look::from),
             None => Ok(surface.into()),
@@ -124,7 +124,7 @@ fn chosen(
             return Ok(TransferFunction::gray_ramp([low, high], 1.0)?.into());
         }
         if !compositing.shows_one_value() {
-            return automatic(input, map, reading.listener);
+            return automatic(keys, input, map, reading.listener);
         }
     }
     let curve = named(
@@ -136,7 +136,7 @@ fn chosen(
     let range = match keys.clim {
         Some(range) => range,
         None if compositing.shows_one_value() => [low, high],
-        None => TransferFunction::automatic(volume, None).1.range,
+        None => of_values(keys, volume, None).1.range,
     };
     let map = match map {
         Some(map) => map,
@@ -187,7 +187,12 @@ fn from_file(
 }
 
 /// The look of a sample, or one that suits the data.
-fn automatic(input: &Input, map: Option<ColorMap>, listener: &dyn Listener) -> Result<Look, DocumentError> {
+fn automatic(
+    keys: &ItemKeys,
+    input: &Input,
+    map: Option<ColorMap>,
+    listener: &dyn Listener,
+) -> Result<Look, DocumentError> {
     if let (Some(sample), None) = (input.sample, map) {
         let wishes = Wishes {
             classification: Some(sample.preferred_classification()),
@@ -201,7 +206,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, listener: &dyn Listener) -> R
     }
     let (transfer_function, choice) = match &input.mesh {
         Some(mesh) => TransferFunction::automatic_mesh(mesh, map)?,
-        None => TransferFunction::automatic(&input.volume, map),
+        None => of_values(keys, &input.volume, map),
     };
     listener.detail(&format!("transfer function: {}", choice.reason));
     let wishes = Wishes {
@@ -213,6 +218,23 @@ fn automatic(input: &Input, map: Option<ColorMap>, listener: &dyn Listener) -> R
         wishes,
         ..transfer_function.into()
     })
+}
+
+/// The automatic choice for a volume, whose values are no labels if the keys say so.
+fn of_values(keys: &ItemKeys, volume: &Volume, map: Option<ColorMap>) -> (TransferFunction, AutomaticChoice) {
+    match keys.labels {
+        Some(false) => TransferFunction::automatic_continuous(volume, map),
+        _ => TransferFunction::automatic(volume, map),
+    }
+}
+
+/// Width of the ramp of opacity around a surface's value: a share of the range, but no more than the distance to the
+/// background, which a wider ramp would show.
+fn surface_width(value: f64, [low, high]: [f64; 2], volume: &Volume) -> f64 {
+    let wide = (high - low) / 50.0;
+    let apart = (value - TransferFunction::background_of(volume)).abs();
+    let width = if apart > 0.0 { wide.min(apart) } else { wide };
+    width.max(f64::MIN_POSITIVE)
 }
 
 /// Smallest and largest value of any point.
@@ -304,6 +326,52 @@ mod tests {
     }
 
     #[test]
+    fn surfaces_near_the_background_do_not_show_it() {
+        // A bright ball in the dark.
+        let value = |i: i32| {
+            let [x, y, z] = [i % 16, i / 16 % 16, i / 256].map(|at| at - 8);
+            if x * x + y * y + z * z < 25 { 1000 } else { 5 }
+        };
+        let grid = Grid::centred([16; 3], [1.0; 3]).unwrap();
+        let samples = Samples::U16((0..4096).map(|i| value(i) as u16).collect::<Vec<_>>().into());
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let ramp = |iso: f64| {
+            let width = surface_width(iso, volume.value_range(), &volume);
+            [iso - 0.5 * width, iso + 0.5 * width]
+        };
+        assert_eq!(ramp(9.0), [7.0, 11.0]);
+        assert_eq!(ramp(1.0), [-1.0, 3.0]);
+        let far = 995.0 / 100.0;
+        assert_eq!(ramp(500.0), [500.0 - far, 500.0 + far]);
+        assert!(surface_width(5.0, volume.value_range(), &volume) > 0.0);
+    }
+
+    #[test]
+    fn values_that_are_no_labels_are_a_continuous_field() {
+        let data = (0..4096).map(|i| u8::from(i % 16 > 5) * 3);
+        let grid = Grid::centred([16; 3], [1.0; 3]).unwrap();
+        let samples = Samples::U8(data.collect::<Vec<u8>>().into());
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let input = Input {
+            volume: Arc::new(volume),
+            description: Description::default(),
+            sample: None,
+            mesh: None,
+        };
+        let look = |labels| {
+            let keys = ItemKeys {
+                labels,
+                ..ItemKeys::of_file("a.nrrd")
+            };
+            automatic(&keys, &input, None, &Silent).unwrap()
+        };
+        assert!(look(None).wishes.labels);
+        let continuous = look(Some(false));
+        assert!(!continuous.wishes.labels);
+        assert_ne!(continuous.transfer_function, look(None).transfer_function);
+    }
+
+    #[test]
     fn meshes_that_are_plates_show_their_body() {
         // Twenty by twenty by two points; one half of the values is low.
         let values: Vec<f32> = (0..800)
@@ -328,7 +396,7 @@ mod tests {
             mesh: None,
         };
         let opacity = |input: &Input| {
-            let look = automatic(input, None, &Silent).unwrap();
+            let look = automatic(&ItemKeys::default(), input, None, &Silent).unwrap();
             look.transfer_function.opacity(0.0)
         };
         assert_eq!(opacity(&input), 0.0);

@@ -283,9 +283,11 @@ fn add_gradient_opacity(
     settings: &RenderSettings,
     listener: &dyn Listener,
 ) {
-    let Some(curve) = all.gradient_opacity.take() else {
+    let Some(mut curve) = all.gradient_opacity.take() else {
         return;
     };
+    // Files may list the points in any order.
+    curve.sort_by(|a, b| a.gradient.total_cmp(&b.gradient));
     if effects.gradient_opacity.is_some() {
         return;
     }

@@ -1,4 +1,4 @@
-//! Which way is up in a volume: as given, as its file says, or as its data suggest; the volume is turned so
+//! Which way is up in a volume, or in points: as given, as its file says, or as its data suggest; the volume is turned so
 //! that z is up.
 //!
 //! An explicit axis overrides the file, as it does for other data: many programs write axes that they do not know. Axes
@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;
+use splatvol_io::Description;
+use splatvol_scene::Points;
 
 use crate::input::Input;
 use crate::keys::names::UpAxis;
@@ -35,6 +37,24 @@ impl Up {
         } else {
             let reason = "the file does not say, and it does not stand on y; --up says otherwise";
             (UpAxis::Z, reason)
+        };
+        Self {
+            axis,
+            reason: reason.to_owned(),
+        }
+    }
+
+    /// That of points as they are stored, unless an axis is given: PLY files have no frame.
+    pub fn of_points(points: &Points, description: &Description) -> Self {
+        let is_frameless = description.format.starts_with("PLY");
+        let (axis, reason) = if is_frameless && standing::is_y_up(points.positions()) {
+            let reason = "the file does not say, and the points stand on y; turned to z, --up says otherwise";
+            (UpAxis::Y, reason)
+        } else if is_frameless {
+            let reason = "the file does not say, and the points do not stand on y alone; --up says otherwise";
+            (UpAxis::Z, reason)
+        } else {
+            (UpAxis::Z, "the file's own z; --up says otherwise")
         };
         Self {
             axis,

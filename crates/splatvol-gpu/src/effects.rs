@@ -94,7 +94,7 @@ fn of_isosurface(surface: &Isosurface, ([low, high], mean_spacing): ([f64; 2], f
     let color = Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32));
     [
         [
-            (surface.value as f32 - low as f32) / range as f32,
+            ((surface.value - low) / range) as f32,
             extinction as f32,
             0.0,
             0.0,

@@ -233,6 +233,18 @@ fn bytes_are_the_same_for_any_threads_memory_and_interruptions() {
     };
     write_pyramid(&volume, &path, &again, &|_| ()).unwrap();
     assert_eq!(files(&path), expected);
+    // Work that was begun is not continued by whoever overwrites it.
+    let stopped = catch_unwind(AssertUnwindSafe(|| {
+        write_pyramid(&volume, folder.path().join("d.ome.zarr"), &one, &|share| {
+            assert!(share < 0.5, "stopped on purpose");
+        })
+    }));
+    assert!(stopped.is_err());
+    assert!(
+        !write_pyramid(&volume, folder.path().join("d.ome.zarr"), &again, &|_| ())
+            .unwrap()
+            .resumed
+    );
     let small = PyramidOptions {
         memory: 1 << 20,
         ..again
@@ -244,6 +256,8 @@ fn bytes_are_the_same_for_any_threads_memory_and_interruptions() {
         error.contains("bytes are needed, the limit is 1048576"),
         "{error}"
     );
+    // Nothing was done, and nothing is left.
+    assert!(!folder.path().join("c.ome.zarr.partial").exists());
 }
 
 #[test]

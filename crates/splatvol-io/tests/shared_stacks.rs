@@ -98,7 +98,7 @@ fn what_is_not_there_is_said() {
     assert!(
         error
             .to_string()
-            .contains("level 1 was asked for; there are 0: 100 x 100 x 2"),
+            .contains("level 1 was asked for; to choose from: 0: 100 x 100 x 2"),
         "{error}"
     );
     let time = ReadOptions {
@@ -114,7 +114,7 @@ fn what_is_not_there_is_said() {
     assert!(
         error
             .to_string()
-            .contains("series \"7\" was asked for; there are"),
+            .contains("series \"7\" was asked for; to choose from"),
         "{error}"
     );
 }

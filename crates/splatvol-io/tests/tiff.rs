@@ -90,7 +90,7 @@ fn hyperstacks_of_imagej_have_channels_slices_and_frames() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("channel 2 was asked for; there are 0: channel 0, 1: channel 1"),
+        error.contains("channel 2 was asked for; to choose from: 0: channel 0, 1: channel 1"),
         "{error}"
     );
     let wrong = pages(11, Some(text), Compression::Uncompressed);

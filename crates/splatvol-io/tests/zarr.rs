@@ -8,7 +8,7 @@ use std::path::Path;
 use common::{Random, gzip};
 use glam::DVec3;
 use serde_json::{Value, json};
-use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
+use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};
 use splatvol_scene::{LengthUnit, Samples};
 
 fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
@@ -112,11 +112,14 @@ fn levels_channels_and_times_are_chosen() {
         let error = read(folder.path(), |options| options.level = 2)
             .unwrap_err()
             .to_string();
-        assert!(error.contains("there are 0: 5 x 3 x 4, 1: 3 x 2 x 2"), "{error}");
+        assert!(
+            error.contains("to choose from: 0: 5 x 3 x 4, 1: 3 x 2 x 2"),
+            "{error}"
+        );
         let error = read(folder.path(), |options| options.channel = Some(2))
             .unwrap_err()
             .to_string();
-        assert!(error.contains("there are 0: DAPI, 1: GFP"), "{error}");
+        assert!(error.contains("to choose from: 0: DAPI, 1: GFP"), "{error}");
     }
 }
 
@@ -285,4 +288,22 @@ fn changed_metadata_are_answered_in_time() {
         }
         std::fs::write(&path, original).unwrap();
     }
+}
+
+#[test]
+fn more_chunks_than_files_justify_are_refused_before_they_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = json!({ "chunk_shape": [1, 1, 1], "codecs": [{ "name": "bytes" }] });
+    let array = json!({ "zarr_format": 3, "node_type": "array", "shape": [1, 8192, 8192], "data_type": "uint8",
+        "chunk_grid": { "name": "regular", "configuration": { "chunk_shape": [1, 65536, 65536] } },
+        "chunk_key_encoding": { "name": "default" }, "fill_value": 0,
+        "codecs": [{ "name": "sharding_indexed", "configuration": inner }] });
+    write(folder.path(), "zarr.json", array.to_string());
+    let error = open_volume(folder.path(), &ReadOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("\"shape\"") && error.contains("chunks in 0 files"),
+        "{error}"
+    );
 }

@@ -133,7 +133,7 @@ function drawCurve(canvas, facts, look) {
 function buildPanel(view) {
   const panel = document.getElementById("controls");
   const parts = [];
-  const views = [["Front", "front"], ["Right", "right"], ["Top", "top"], ["Oblique", "iso"]];
+  const views = [["Front", "front"], ["Back", "back"], ["Left", "left"], ["Right", "right"], ["Top", "top"], ["Bottom", "bottom"], ["Oblique", "iso"]];
   panel.append(element("h2", {}, "View"), element("div", { className: "buttons" },
     ...views.map(([text, name]) => button(text, () => view.look(name))),
     button("As it was", () => view.home())));

@@ -161,13 +161,12 @@ const OPEN = /component|array|channel|series|layout|dims|type/i;
 async function openFiles(shown, files) {
   if (files.length === 0) return;
   const name = files.length === 1 ? files[0].file.name : `${files.length} files`;
-  const status = (text) => { $("status").textContent = text; };
   const before = $("status").textContent;
   trouble("");
-  status(`Reading ${name}.`);
+  say(`Reading ${name}.`);
   try {
-    const { read, bytes } = await readFiles(files, shown.reading.keys(), (share) => status(`Reading ${name}: ${Math.round(100 * share)} %.`));
-    status("Preparing the picture.");
+    const { read, bytes } = await readFiles(files, shown.reading.keys(), (share) => say(`Reading ${name}: ${Math.round(100 * share)} %.`));
+    say("Preparing the picture.");
     const { items, warnings } = read;
     const message = {
       document: { item: items.map((item) => ({ file: item.name })) },
@@ -179,7 +178,7 @@ async function openFiles(shown, files) {
     const kept = items.map((item) => `${item.name}: ${item.size}, as in its file (${item.described.format}).`);
     shown.show(opened, title, [...kept, ...warnings, "The files were read in this page: nothing was sent anywhere."]);
   } catch (error) {
-    status(before);
+    say(before);
     if (OPEN.test(error.message)) shown.reading.details.open = true;
     trouble(error.message || String(error));
   }

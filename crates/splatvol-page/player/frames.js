@@ -46,6 +46,10 @@ class Frames {
     this.timer = 0;
     this.held = false;
     this.isOver = false;
+    // What each member is still told, why it did not hear some of it, and the last picture that failed: its changes, the member, why.
+    this.telling = new Map();
+    this.unheard = new Map();
+    this.failure = null;
     // Milliseconds per pixel of the last final picture, one member working.
     this.cost = 0;
     this.listeners = [];
@@ -78,12 +82,18 @@ class Frames {
     if (!this.final) this.changed();
   }
 
-  /** Waits for the final picture of what is shown. */
+  /** Waits for the final picture of what is shown, or says why there is none. */
   settled() {
-    return new Promise((resolve) => {
-      this.listeners.push(resolve);
-      if (!this.job && this.shown === this.changes && this.final) this.told();
+    return new Promise((resolve, reject) => {
+      this.listeners.push({ resolve, reject });
+      if (this.hasFailed()) this.toldOf(this.failure.error);
+      else if (!this.job && this.shown === this.changes && this.final) this.told();
     });
+  }
+
+  /** Whether there is no picture of what should be shown now, until something changes. */
+  hasFailed() {
+    return this.failure !== null && this.failure.changes === this.changes;
   }
 
   /** A finished picture of what is shown now was made by somebody else, and is on the canvas. */
@@ -92,6 +102,7 @@ class Frames {
     this.job = null;
     this.shown = this.changes;
     this.final = true;
+    this.failure = null;
     this.told();
   }
 
@@ -103,12 +114,16 @@ class Frames {
   }
 
   told() {
-    this.listeners.splice(0).forEach((resolve) => resolve());
+    this.listeners.splice(0).forEach(({ resolve }) => resolve());
+  }
+
+  toldOf(error) {
+    this.listeners.splice(0).forEach(({ reject }) => reject(error));
   }
 
   /** Starts a draft if one is due, and all that draw it are free. */
   pump() {
-    if (this.held || this.shown === this.changes) return;
+    if (this.held || this.shown === this.changes || this.hasFailed()) return;
     if (this.drafters.some((member) => !this.idle.includes(member))) return;
     this.begin(this.step, false);
   }
@@ -128,8 +143,7 @@ class Frames {
     job.context = isFinal ? this.context : this.draft.getContext("2d");
     this.final = false;
     this.job = job;
-    const edits = this.view.takeEdits();
-    for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
+    this.tell();
     crew.filter((member) => this.idle.includes(member)).forEach((member) => this.give(member));
   }
 
@@ -147,11 +161,35 @@ class Frames {
     if (old) this.context.drawImage(old, 0, 0, width, height);
   }
 
+  /** Tells all members of what was changed. */
+  tell() {
+    const edits = this.view.takeEdits();
+    if (edits.length > 0) this.unheard.clear();
+    for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
+  }
+
+  /** Tells a member of a change. What it does not hear is told again, with the next picture; until then it makes none. */
   edit(member, edit) {
-    member.ask(edit).then(({ header }) => {
+    const told = member.ask(edit).then(({ header }) => {
       if (header.error) this.view.trouble(header.error);
       else if (member === this.members[0]) this.view.edited(header);
-    }, (error) => this.view.trouble(String(error)));
+    }).catch((error) => {
+      this.unheard.set(member, error);
+      this.view.trouble(error.message || String(error));
+      if (this.view.untold) this.view.untold();
+    });
+    this.telling.set(member, Promise.all([this.telling.get(member), told]));
+  }
+
+  /** Asks a member, which has heard of all changes, for a share of a picture. */
+  async rendered(member, asked) {
+    const answer = await member.ask({ do: "render", ...asked });
+    await this.telling.get(member);
+    const missed = this.unheard.get(member);
+    this.unheard.delete(member);
+    if (missed) throw missed;
+    if (answer.header.error) throw new Error(answer.header.error);
+    return answer;
   }
 
   /** Gives an instance the next share of the picture. */
@@ -164,8 +202,7 @@ class Frames {
     job.open += 1;
     this.idle = this.idle.filter((other) => other !== member);
     try {
-      const { header, bytes, milliseconds } = await member.ask({ do: "render", size: job.size, camera: job.camera, share });
-      if (header.error) throw new Error(header.error);
+      const { header, bytes, milliseconds } = await this.rendered(member, { size: job.size, camera: job.camera, share });
       job.given += milliseconds;
       // What is finished although something has changed is no part of the next picture.
       if (job === this.job) this.draw(job, header.tiles, bytes);
@@ -174,13 +211,25 @@ class Frames {
         console.warn(`splatvol: no WebGPU: ${error.message || error}`);
         return this.slowed();
       }
-      if (error.name !== "AbortError") this.view.trouble(error.message || String(error));
+      // What is incomplete is never shown.
+      if (job === this.job) this.job = null;
+      if (error.name !== "AbortError") this.failed(job, member, error);
     }
     job.open -= 1;
     if (!this.members.includes(member)) return null;
     this.idle.push(member);
     if (job === this.job && job.next >= job.count && job.open === 0) this.ended(job);
     return this.give(member);
+  }
+
+  /** A picture has failed: what is on the canvas stays until something is changed. */
+  failed(job, member, error) {
+    this.failure = { changes: job.changes, member, error };
+    this.view.trouble(error.message || String(error));
+    if (!this.hasFailed()) return;
+    this.final = false;
+    if (this.view.failed) this.view.failed(job);
+    this.toldOf(error);
   }
 
   draw(job, tiles, bytes) {
@@ -197,6 +246,10 @@ class Frames {
   ended(job) {
     const took = performance.now() - job.started;
     this.job = null;
+    if (this.failure && job.crew.includes(this.failure.member)) {
+      this.failure = null;
+      this.view.trouble("");
+    }
     if (!job.isFinal) {
       this.fit(this.view.size(), true);
       const { width, height } = this.canvas;
@@ -236,14 +289,12 @@ class Frames {
     this.held = true;
     try {
       while (this.idle.length < this.members.length) await new Promise((resolve) => setTimeout(resolve, 5));
-      const edits = this.view.takeEdits();
-      for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
+      this.tell();
       const pixels = new Uint8ClampedArray(4 * size[0] * size[1]);
       const camera = this.view.camera(size);
       const count = crew.length;
       await Promise.all(crew.map(async (member, index) => {
-        const { header, bytes } = await member.ask({ do: "render", size, camera, share: [index, count] });
-        if (header.error) throw new Error(header.error);
+        const { header, bytes } = await this.rendered(member, { size, camera, share: [index, count] });
         let start = 0;
         for (const [x0, y0, x1, y1] of header.tiles) {
           for (let y = y0; y < y1; y += 1) {

@@ -4,11 +4,19 @@
 const MOST_PIXELS = 1600000;
 /** Degrees per picture height of a drag. */
 const DEGREES = 180;
+/** Least width of a cut, share of that of the data. */
+const LEAST_WIDTH = 1 / 500;
 
 const $ = (id) => document.getElementById(id);
 
 function trouble(text) {
   $("trouble").textContent = text;
+}
+
+/** What the panel says of the picture; aloud, by screen readers, unless it is said of what only passes by. */
+function say(text, isAloud = true) {
+  $("status").textContent = isAloud ? text : "";
+  $("passing").textContent = isAloud ? "" : text;
 }
 
 function copied(value) {
@@ -38,7 +46,7 @@ class View {
     this.whole = [0, 1, 2].flatMap((i) => [min[i], max[i]]);
     // Points and Gaussians have no values, and so no look to be changed.
     this.valued = facts.items.flatMap(({ values }, index) => (values ? [{ index, ...values }] : []));
-    this.state = { looks: facts.items.map(() => ({})), items: facts.items.map(ownKeys), box: this.own || this.whole };
+    this.state = { looks: facts.items.map(() => ({})), items: facts.items.map(ownKeys), box: [...(this.own || this.whole)] };
     this.past = [copied(this.state)];
     this.at = 0;
     this.edits = new Map();
@@ -92,7 +100,20 @@ class View {
 
   progress({ step, isFinal }, took) {
     $("badge").textContent = isFinal ? "final" : `draft 1/${STEPS[step].toFixed(1).replace(".0", "")}`;
-    if (isFinal) $("status").textContent = `Final picture, ${this.size().join(" × ")} pixels, ${(took / 1000).toFixed(2)} s.`;
+    if (isFinal) say(`Final picture, ${this.size().join(" × ")} pixels, ${(took / 1000).toFixed(2)} s.`);
+    else say("Draft", false);
+  }
+
+  /** There is no picture of what should be shown. A draft of it stays one, where only the final picture has failed. */
+  failed({ isFinal }) {
+    const text = isFinal ? "Draft" : "Earlier picture";
+    if (!isFinal) $("badge").textContent = text.toLowerCase();
+    say(text, false);
+  }
+
+  /** Members were not told of changes: all of them are told again. */
+  untold() {
+    this.tellAll();
   }
 
   // Changes.
@@ -107,9 +128,13 @@ class View {
   }
 
   async look(name) {
-    const { header } = await this.frames.members[0].ask({ do: "camera", camera: { view: name }, size: this.documentSize });
-    if (header.error) trouble(header.error);
-    else this.turn(header);
+    try {
+      const { header } = await this.frames.members[0].ask({ do: "camera", camera: { view: name }, size: this.documentSize });
+      if (header.error) trouble(header.error);
+      else this.turn(header);
+    } catch (error) {
+      trouble(error.message || String(error));
+    }
   }
 
   setLook(item, key, value) {
@@ -147,9 +172,12 @@ class View {
 
   setBox(end, value) {
     const { box } = this.state;
-    box[end] = value;
-    const other = end ^ 1;
-    box[other] = end % 2 === 0 ? Math.max(box[other], value) : Math.min(box[other], value);
+    const [isLow, other] = [end % 2 === 0, end ^ 1];
+    const [low, high] = isLow ? [this.whole[end], this.whole[other]] : [this.whole[other], this.whole[end]];
+    // A box without a width is refused.
+    const least = LEAST_WIDTH * (high - low);
+    box[end] = isLow ? Math.min(value, high - least) : Math.max(value, low + least);
+    box[other] = isLow ? Math.max(box[other], box[end] + least) : Math.min(box[other], box[end] - least);
     this.tellBox();
     this.frames.changed();
   }
@@ -205,9 +233,16 @@ class View {
     this.frames.changed();
   }
 
-  /** Saves the picture in the document's size. */
+  /** Saves the picture in the document's size, or says why there is none. */
   async save() {
-    const image = await this.frames.picture(this.documentSize);
+    try {
+      await this.download(await this.frames.picture(this.documentSize));
+    } catch (error) {
+      trouble(error.message || String(error));
+    }
+  }
+
+  async download(image) {
     const canvas = element("canvas", { width: image.width, height: image.height });
     canvas.getContext("2d").putImageData(image, 0, 0);
     const blob = await new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
@@ -295,12 +330,12 @@ function hearKeys(canvas, shown) {
 
 /** Instances with the data of the page, and what they say of these. */
 async function startInstances(page) {
-  $("status").textContent = "Unpacking the data.";
+  say("Unpacking the data.");
   const [module, samples] = await Promise.all([
     unpacked(bytesOf("engine")).then((bytes) => WebAssembly.compile(bytes)),
     unpacked(bytesOf("samples")),
   ]);
-  $("status").textContent = "Preparing the picture.";
+  say("Preparing the picture.");
   return openData(module, { document: page.document, data: page.data }, samples);
 }
 
@@ -381,7 +416,7 @@ async function main() {
 
 const started = main().catch((error) => {
   trouble(`This browser cannot show it: ${error.message || error}. The picture above stays as it was made.`);
-  $("status").textContent = "";
+  say("");
   throw error;
 });
 

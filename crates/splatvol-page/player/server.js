@@ -8,14 +8,20 @@ function onServer() {
     if (!response.ok) throw new Error((await response.text()).trim() || response.statusText);
     return response;
   };
+  /** What is asked of the network, unless it was left on purpose, or says why it does not come. */
+  const arrived = (asked) => asked.catch((error) => {
+    if (error.name === "AbortError") throw error;
+    throw new Error(`the server does not answer: it has ended, or the connection to it is lost (${error.message})`);
+  });
   let controller = new AbortController();
   return {
-    facts: async () => (await answered(await fetch("facts", { headers }))).json(),
+    facts: async () => (await answered(await arrived(fetch("facts", { headers })))).json(),
     async ask(header) {
       const start = performance.now();
       const { signal } = header.do === "render" ? controller : {};
       const asked = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(header), signal };
-      const buffer = await (await answered(await fetch("ask", asked))).arrayBuffer();
+      const response = await answered(await arrived(fetch("ask", asked)));
+      const buffer = await arrived(response.arrayBuffer());
       const view = new DataView(buffer);
       const [said, pixels] = [view.getUint32(0, true), view.getUint32(4, true)];
       return {

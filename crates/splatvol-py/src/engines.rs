@@ -2,7 +2,8 @@
 //!
 //! After a fork the child has none of its parent's threads, so it leaves what it inherited alone and starts its own.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use splatvol::{Content, EngineConfig, Item, Pool, Renderer, Scene};
@@ -13,6 +14,9 @@ use crate::error::{Raise, refused};
 const VARIABLE: &str = "SPLATVOL_THREADS";
 /// Renderers that wait with their prepared data: the scenes that a notebook turns to and fro between.
 const WAITING: usize = 2;
+
+/// Between two looks for signals while a picture waits for its turn.
+const SLICE: Duration = Duration::from_millis(40);
 
 /// What a process has.
 struct Engines {
@@ -112,6 +116,57 @@ pub(crate) fn render<R>(scene: &Scene, work: impl FnOnce(&mut Renderer) -> R) ->
     });
     drop(surplus);
     Ok(done)
+}
+
+/// Budgets of the volumes in chunks that are being drawn.
+static DRAWN: Mutex<Vec<usize>> = Mutex::new(Vec::new());
+/// Told when one of them is done.
+static DONE: Condvar = Condvar::new();
+
+fn drawn() -> MutexGuard<'static, Vec<usize>> {
+    DRAWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The right to draw volumes in chunks, whose memory two pictures cannot share. Dropping it ends that.
+#[derive(Debug)]
+pub(crate) struct Turn(Vec<usize>);
+
+impl Turn {
+    /// Waits until no other picture of the same volumes in chunks is drawn.
+    ///
+    /// # Errors
+    /// Ctrl-C meanwhile.
+    pub(crate) fn wait_for(py: Python<'_>, scene: &Scene) -> PyResult<Self> {
+        let budgets: Vec<usize> = scene.items.iter().filter_map(budget).collect();
+        if budgets.is_empty() || pool()?.is_current() {
+            // A picture that a lazy source draws must not wait for that which asks it.
+            return Ok(Self(Vec::new()));
+        }
+        loop {
+            let is_mine = py.detach(|| {
+                let is_taken = |drawn: &mut Vec<usize>| budgets.iter().any(|own| drawn.contains(own));
+                let waited = DONE.wait_timeout_while(drawn(), SLICE, is_taken);
+                let (mut drawn, timed_out) = waited.unwrap_or_else(PoisonError::into_inner);
+                if !timed_out.timed_out() {
+                    drawn.extend(&budgets);
+                }
+                !timed_out.timed_out()
+            });
+            if is_mine {
+                return Ok(Self(budgets));
+            }
+            py.check_signals()?;
+        }
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        if !self.0.is_empty() {
+            drawn().retain(|own| !self.0.contains(own));
+            DONE.notify_all();
+        }
+    }
 }
 
 /// Where the budget of a volume lies that is read in chunks; wherever the volume is placed, it is the same.

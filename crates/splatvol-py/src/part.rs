@@ -8,6 +8,7 @@ use splatvol::{ImageSize, TileRect};
 use splatvol_document::Document;
 use splatvol_io::{Assembly, Part, PartKey, PartOrigin, PictureBlock, state_of_files};
 
+use crate::engines::Turn;
 use crate::error::{Raise, refused};
 use crate::frame::Frame;
 use crate::picture::{Picture, draw};
@@ -62,6 +63,7 @@ pub(crate) fn part_of<'py>(
     })?;
     let recipe = picture.document.to_json(false).map_err(Raise::raised)?;
     let files = state_of_files(&picture.files).map_err(Raise::raised)?;
+    let _turn = Turn::wait_for(py, &picture.scene)?;
     let bytes = work::run(py, (stop, progress.as_ref()), |watch| {
         let [x0, y0] = [block.x, block.y].map(|first| first as usize);
         let rectangle = TileRect {

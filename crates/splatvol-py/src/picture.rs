@@ -94,6 +94,7 @@ impl Picture {
     fn render(&self, py: Python<'_>, stop: Option<&Stop>, progress: Option<Py<PyAny>>) -> PyResult<Frame> {
         let picture = &self.picture;
         picture.check_size().map_err(Raise::raised)?;
+        let _turn = engines::Turn::wait_for(py, &picture.scene)?;
         let (frame, statistics) =
             work::run(py, (stop, progress.as_ref()), |watch| draw(picture, None, watch))?;
         let [.., alpha] = picture.scene.background;

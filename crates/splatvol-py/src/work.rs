@@ -77,6 +77,11 @@ pub(crate) fn run<R: Send>(
 ) -> PyResult<R> {
     let pool = engines::pool()?;
     let watch = Watch::new(stop);
+    if pool.is_current() {
+        // A lazy source works while a picture asks it for samples: this is one of the threads that would be waited for.
+        let done = py.detach(|| catch_unwind(AssertUnwindSafe(|| work(&watch))));
+        return done.unwrap_or_else(|reason| Err(panicked(&*reason)));
+    }
     py.detach(|| {
         let (send, receive) = channel();
         std::thread::scope(|scope| {

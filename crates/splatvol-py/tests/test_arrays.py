@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -147,3 +148,35 @@ def test_what_a_volume_says(ball: np.ndarray) -> None:
     counts, edges = volume.histogram(10)
     np.testing.assert_array_equal(counts, np.histogram(ball, 10)[0])
     assert edges[0] == ball.min() and edges[-1] == ball.max()
+
+
+@pytest.mark.parametrize("dtype", ["f2", "i8", ">f4"])
+def test_copies_are_not_touched(ball: np.ndarray, dtype: str) -> None:
+    volume = sv.Volume((ball * 100).astype(dtype))
+    assert not volume.is_shared
+    with pytest.raises(sv.InvalidValue, match="copy"):
+        volume.touch()
+
+
+def test_odd_addresses_are_copied(ball: np.ndarray, tmp_path: Path) -> None:
+    (tmp_path / "odd.raw").write_bytes(b"x" + ball.tobytes())
+    odd: Any = np.memmap(tmp_path / "odd.raw", np.float32, "r", offset=1, shape=ball.shape)
+    assert not odd.flags.aligned and not sv.Volume(odd).is_shared
+    np.testing.assert_array_equal(pixels(odd), pixels(ball))
+    with pytest.raises(sv.InvalidValue, match="aligned"):
+        sv.Volume(odd, copy=False)
+
+
+def test_tensors_are_shared(ball: np.ndarray) -> None:
+    class Tensor:
+        """As a tensor of torch on the CPU presents itself."""
+
+        def __init__(self, array: np.ndarray) -> None:
+            self.array = array
+
+        def detach(self) -> np.ndarray:
+            return self.array
+
+        def __dlpack__(self) -> None: ...
+
+    assert sv.Volume(Tensor(ball), copy=False).is_shared

@@ -151,3 +151,22 @@ def test_errors_of_a_store_name_the_chunk(head: Path) -> None:
         volume.render(**LOOK)
     broken = False
     assert volume.render(**LOOK).linear.tobytes() == sv.render(str(head), **LOOK).linear.tobytes()
+
+
+def test_lazy_volumes_say_what_they_are_and_are_not_read_whole() -> None:
+    samples = np.random.default_rng(1).integers(0, 200, (20, 24, 28), np.uint8)
+    volume = sv.lazy(samples)
+    assert volume.shape == samples.shape and volume.dtype == samples.dtype
+    low, high = volume.range
+    assert 0 <= low < high <= 200
+    with pytest.raises(TypeError, match="not read whole"):
+        np.asarray(volume)
+
+
+def test_masked_samples_are_refused() -> None:
+    samples = np.ma.masked_less(np.random.default_rng(1).random((20, 24, 28)), 0.5)
+    with pytest.raises(sv.InvalidValue, match="source: some samples are masked"):
+        sv.lazy(samples)
+    dask = pytest.importorskip("dask.array")
+    with pytest.raises(sv.SplatvolError, match="some samples are masked"):
+        sv.lazy(dask.from_array(samples)).render(size=16)

@@ -97,7 +97,11 @@ def test_a_norm_keeps_its_kind_and_gets_the_scenes_range(figure: Any, ball: np.n
     kept = sv.Scene(ball, cmap="magma", norm=norm)
     assert kept.artist(figure.add_subplot()).norm is norm
     assert kept.copy().artist(figure.add_subplot()).norm is norm
+    # Other limits leave the norm's kind.
     kept.items[0].set(cmap="viridis", clim=(0, 1))
+    again = kept.artist(figure.add_subplot()).norm
+    assert type(again) is matplotlib.colors.PowerNorm and (again.vmin, again.vmax) == (0, 1) and norm.vmax == 0.9
+    kept.items[0].set(norm=None)
     assert type(kept.artist(figure.add_subplot()).norm) is matplotlib.colors.Normalize
 
 

@@ -19,6 +19,9 @@ def test_a_frame_is_an_array() -> None:
     codes = np.asarray(frame)
     assert codes.shape == (30, 40, 4) and codes.dtype == np.uint8 and frame.size == (40, 30)
     assert np.asarray(frame) is codes or np.shares_memory(np.asarray(frame), codes)
+    with pytest.raises(ValueError, match="read-only"):
+        codes[...] = 0
+    assert np.array(frame).flags.writeable
     assert np.asarray(frame, dtype=float).dtype == float
     assert frame.linear.shape == (30, 40, 4) and frame.alpha.shape == (30, 40)
     assert np.isinf(frame.depth[frame.alpha == 0]).all() and np.isfinite(frame.depth[frame.alpha > 0]).all()
@@ -352,8 +355,9 @@ def test_segmentations(ball: np.ndarray) -> None:
     shown = scene.add_labels(ids, visible=False)
     assert shown.keys["labels"] is True
     beside = sv.Scene(sv.Volume(ball, spacing=(3, 2, 1)), size=32)
-    label = beside.add_labels(ids)
-    assert isinstance(label.data, sv.Volume) and label.data.spacing == (3, 2, 1)
+    for label in (beside.add_labels(ids), beside.add_labels(ids.transpose(2, 1, 0), axes="xyz")):
+        assert isinstance(label.data, sv.Volume) and label.data.spacing == (3, 2, 1)
+        np.testing.assert_array_equal(np.asarray(label.data), ids)
 
 
 def test_opaque_ids_keep_their_colours() -> None:

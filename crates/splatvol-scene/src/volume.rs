@@ -324,7 +324,7 @@ impl Volume {
     }
 }
 
-/// Counts of the finite values in `bins` equal bins over their range.
+/// Counts of the finite values in `bins` equal bins over their range; of none, none.
 pub(crate) fn histogram(values: impl Iterator<Item = f64>, [low, high]: [f64; 2], bins: usize) -> Vec<u64> {
     let mut counts = vec![0; bins];
     let scale = if high > low {
@@ -333,7 +333,10 @@ pub(crate) fn histogram(values: impl Iterator<Item = f64>, [low, high]: [f64; 2]
         0.0
     };
     for value in values.filter(|value| value.is_finite()) {
-        counts[(((value - low) * scale) as usize).min(bins - 1)] += 1;
+        let bin = ((value - low) * scale) as usize;
+        if let Some(count) = counts.get_mut(bin.min(bins.saturating_sub(1))) {
+            *count += 1;
+        }
     }
     counts
 }

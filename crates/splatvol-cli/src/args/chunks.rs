@@ -15,9 +15,6 @@ pub(crate) enum MissingChunks {
     Background,
 }
 
-/// Bytes of the program itself, beside volumes and their picture.
-const PROGRAM: u64 = 24 << 20;
-
 /// How volumes are read in chunks.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ChunkArgs {
@@ -43,7 +40,7 @@ impl ChunkArgs {
     pub(crate) fn rules(&self) -> ChunkRules {
         let memory = self.memory.unwrap_or(splatvol_io::memory::granted() / 2);
         ChunkRules {
-            memory: memory.saturating_sub(PROGRAM),
+            memory: memory.saturating_sub(ChunkRules::PROGRAM),
             holes: self.missing_chunks == Some(MissingChunks::Background),
             whole_if_it_fits: false,
         }

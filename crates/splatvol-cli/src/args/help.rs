@@ -92,6 +92,15 @@ fn command() -> Command {
             Some(flags) => shortened(grouped(command), flags),
             None => grouped(command),
         })
+        .mut_subcommands(|command| command.mut_args(with_negative_numbers))
+}
+
+/// Flags take negative numbers, if only to say what they expect instead.
+fn with_negative_numbers(arg: Arg) -> Arg {
+    match arg.is_positional() || !arg.get_action().takes_values() {
+        true => arg,
+        false => arg.allow_negative_numbers(true),
+    }
 }
 
 /// Arguments that the short help of a command shows beside the general ones; `None` shows all.

@@ -30,7 +30,7 @@ pub(crate) struct LookArgs {
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", help_heading = LOOK)]
     pub(crate) labels: Option<bool>,
     /// Show the surface of this data value
-    #[arg(long, value_name = "VALUE", help_heading = LOOK, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = values::finite, help_heading = LOOK, allow_negative_numbers = true)]
     pub(crate) iso: Option<f64>,
 }
 

@@ -31,8 +31,7 @@ pub(crate) struct MethodArgs {
     pub(crate) sheet_thickness: Option<f64>,
     /// Octaves by which the volume is coarser than the picture asks [default: 0; 1 for the preset draft]
     ///
-    /// 1 takes the volume at half of the resolution, an eighth of its voxels. Label maps have no levels of
-    /// detail.
+    /// 1 takes the volume at half of the resolution, an eighth of its voxels.
     #[arg(long, value_name = "OCTAVES", value_parser = values::finite, help_heading = QUALITY)]
     pub(crate) level_bias: Option<f64>,
     /// Gradients by which sheets are lit [default: differences]

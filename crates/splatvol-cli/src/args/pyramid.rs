@@ -40,12 +40,13 @@ pub(crate) struct PyramidArgs {
     /// Number of OME-Zarr's levels, the finest included [default: until the coarsest is one chunk]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=32), help_heading = OUTPUT)]
     pub(crate) levels: Option<u8>,
-    /// Values are labels: the samples of OME-Zarr's levels are those that most of their box have, not means
+    /// Values are labels: the samples of OME-Zarr's levels are those that most of their box have; =false: means [default: decided
+    /// by the data]
     ///
-    /// The image says so (image-label), and is drawn as a label map from its levels, whatever its size. On by default for images that
-    /// say it already.
-    #[arg(long, help_heading = OUTPUT)]
-    pub(crate) labels: bool,
+    /// The image says so (image-label), and is drawn as a label map from its levels, whatever its size. Labels are the values of
+    /// images that say so already, and of what info calls a label volume; volumes that are read in chunks are judged by a few slabs.
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", help_heading = OUTPUT)]
+    pub(crate) labels: Option<bool>,
     /// Compression of OME-Zarr [default: lz4]
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     pub(crate) compression: Option<CompressionArg>,
@@ -70,7 +71,7 @@ impl PyramidArgs {
             },
             chunk: self.chunk.map_or(default.chunk, usize::from),
             levels: self.levels.map(usize::from),
-            labels: self.labels,
+            labels: self.labels == Some(true),
             memory: self.memory.unwrap_or(default.memory),
             overwrite,
             ..default
@@ -83,7 +84,7 @@ impl PyramidArgs {
             (self.memory.is_some(), "--memory"),
             (self.chunk.is_some(), "--chunk"),
             (self.levels.is_some(), "--levels"),
-            (self.labels, "--labels"),
+            (self.labels.is_some(), "--labels"),
             (self.compression.is_some(), "--compression"),
             (self.ome_version.is_some(), "--ome-version"),
         ];

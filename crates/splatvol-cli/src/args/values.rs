@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use glam::DVec3;
-use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint};
-use splatvol_document::keys::{Axis, Background, PictureSize, Rotate, Scale};
+use splatvol::{ClipPlane, GradientOpacityPoint};
+use splatvol_document::keys::{Axis, Background, PictureSize, Rotate, Scale, check_gradient_opacity};
 use splatvol_document::spelling;
 pub(crate) use splatvol_document::spelling::{endian, kind, sample_size, sample_type};
 
@@ -40,7 +40,10 @@ pub(crate) fn rotation(text: &str) -> Result<Rotate, String> {
         .ok_or_else(|| "expected an axis and degrees: z:30 or X,Y,Z:30".to_owned())?;
     let axis = match axis {
         "x" | "y" | "z" => Axis::Name(axis.to_owned()),
-        axis => Axis::Direction(triple(axis)?),
+        axis => match triple(axis)? {
+            [0.0, 0.0, 0.0] => return Err("expected an axis other than 0,0,0".to_owned()),
+            axis => Axis::Direction(axis),
+        },
     };
     Ok(Rotate::Axis(axis, finite(degrees)?))
 }
@@ -112,7 +115,7 @@ pub(crate) fn gradient_curve(text: &str) -> Result<GradientCurve, String> {
     };
     let points = text.split(',').map(point).collect::<Option<Vec<_>>>();
     let points = points.ok_or_else(|| "expected GRADIENT:FACTOR,GRADIENT:FACTOR,...".to_owned())?;
-    GradientOpacity::new(&points).map_err(|error| error.to_string())?;
+    check_gradient_opacity(&points)?;
     Ok(GradientCurve(points))
 }
 

@@ -8,7 +8,7 @@ use splatvol::SceneError;
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
-use splatvol_io::is_plot3d_pair;
+use splatvol_io::{IoError, is_plot3d_pair};
 
 use super::render::describe;
 use super::studio::{Means, threads_within};
@@ -20,8 +20,8 @@ use crate::terminal::Terminal;
 /// A document that is complete except for what the data decide.
 pub(super) struct Asked {
     pub(super) document: Document,
-    /// Whether a scene file says what is shown.
-    is_scene: bool,
+    /// The scene file that says what is shown, if one does.
+    scene: Option<String>,
     /// The earlier picture, if one is named.
     earlier: Option<Record>,
     /// Folder of the earlier picture, whose files are meant.
@@ -109,7 +109,7 @@ impl Asked {
         }
         Ok(Self {
             document,
-            is_scene: scene.is_some(),
+            scene: scene.map(str::to_owned),
             earlier,
             folder: folder.and_then(Path::parent).map(Path::to_owned),
         })
@@ -182,11 +182,23 @@ impl Asked {
 
     /// An error as that of the scene file or of the flags.
     pub(super) fn failure(&self, error: DocumentError) -> Failure {
-        match self.is_scene {
-            true => Failure::of_scene(error),
-            false => error.into(),
+        match &self.scene {
+            Some(file) => Failure::of_scene(error, file),
+            None if self.earlier.is_some() && is_absent(&error) => Failure::from(error).hint(
+                "the picture names it from the folder that it was made in: give its place, \
+                 splatvol render PLACE/OF/THE/FILE --like PICTURE, or run it in that folder",
+            ),
+            None => error.into(),
         }
     }
+}
+
+/// Whether a file is not there.
+fn is_absent(error: &DocumentError) -> bool {
+    let DocumentError::Input { error, .. } = error else {
+        return false;
+    };
+    matches!(&**error, IoError::Open { source, .. } if source.kind() == std::io::ErrorKind::NotFound)
 }
 
 /// The threads asked for, of which reading and generating make use as well.

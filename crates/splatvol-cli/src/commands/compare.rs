@@ -10,6 +10,7 @@ use splatvol_document::{ReadRules, input};
 use splatvol_io::{ImageFormat, encode_image, read_image};
 
 use crate::args::CompareArgs;
+use crate::commands::convert::volumes_only;
 use crate::commands::metrics::{PictureDifference, VolumeDifference, difference_picture};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
@@ -60,7 +61,9 @@ fn volumes(args: &CompareArgs, terminal: &Terminal) -> Result<(), Failure> {
         ));
     }
     let read = |name: &str| -> Result<Arc<Volume>, Failure> {
-        Ok(input::load(&ItemKeys::of_file(name), terminal.reads(ReadRules::default()))?.volume)
+        let (item, reading) = (ItemKeys::of_file(name), terminal.reads(ReadRules::default()));
+        volumes_only(&item, reading, "compare")?;
+        Ok(input::load(&item, reading)?.volume)
     };
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     if a.grid().dims() != b.grid().dims() {

@@ -1,12 +1,14 @@
 //! `splatvol convert`: volumes, transfer functions and pictures, by the output's extension.
 
+mod labels;
 mod pyramid;
 
 use std::path::Path;
 
 use splatvol::TransferFunction;
-use splatvol_document::input;
-use splatvol_io::{ImageFormat, WriteOptions, encode_image, read_image, write_volume};
+use splatvol_document::keys::ItemKeys;
+use splatvol_document::{Reading, input, items};
+use splatvol_io::{DataKind, ImageFormat, WriteOptions, encode_image, read_image, write_volume};
 
 use crate::args::{ConvertArgs, of_input};
 use crate::failure::{During, Failure, Step};
@@ -15,6 +17,7 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
     if extension(&args.output) == "zarr" {
+        refuse_look(args)?;
         pyramid::run(args, terminal)?;
         terminal.note(format!("wrote {}", args.output.display()));
         return Ok(());
@@ -22,6 +25,9 @@ pub(crate) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure
     if let Some(flag) = args.pyramid.given() {
         let message = format!("{flag} has no meaning for {}", args.output.display());
         return Err(Failure::usage(message).hint("it is for outputs named .ome.zarr"));
+    }
+    if extension(&args.output) != "json" {
+        refuse_look(args)?;
     }
     Target::File(args.output.clone()).check(args.write.overwrite)?;
     match extension(&args.output).as_str() {
@@ -31,6 +37,32 @@ pub(crate) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure
     }
     terminal.note(format!("wrote {}", args.output.display()));
     Ok(())
+}
+
+/// Refuses flags about transfer functions where none is written.
+fn refuse_look(args: &ConvertArgs) -> Result<(), Failure> {
+    let given = [
+        ("--clim", args.clim.is_some()),
+        ("--unit-distance", args.unit_distance.is_some()),
+    ];
+    match given.iter().find(|(_, given)| *given) {
+        Some((flag, _)) => {
+            let message = format!("{flag} has no meaning for {}", args.output.display());
+            Err(Failure::usage(message).hint("it is for transfer functions: outputs named .json"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses data other than volumes, by their kind. Files that nothing reads are left to the reader of volumes, which says why.
+pub(crate) fn volumes_only(item: &ItemKeys, reading: Reading<'_>, command: &str) -> Result<(), Failure> {
+    match items::kind(item, reading) {
+        Ok((kind, _)) if kind != DataKind::Volume => {
+            let message = format!("{} has {kind}; {command} takes volumes", item.file);
+            Err(Failure::of(Step::Input, anyhow::anyhow!(message)))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses extensions that no writer of volumes has, before anything is read.
@@ -53,10 +85,12 @@ fn extension(path: &Path) -> String {
 
 fn volume(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
     check_volume_extension(&args.output)?;
-    let input = input::load(
-        &of_input(&args.read, &args.input),
+    let (item, reading) = (
+        of_input(&args.read, &args.input),
         terminal.reads(args.read.rules()),
-    )?;
+    );
+    volumes_only(&item, reading, "convert")?;
+    let input = input::load(&item, reading)?;
     if extension(&args.output) == "npy" {
         terminal.warn("NumPy files hold samples only: spacing, origin, direction and unit are lost");
     }

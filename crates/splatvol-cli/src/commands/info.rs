@@ -264,7 +264,7 @@ fn letter(axis: DVec3) -> char {
 }
 
 /// At most six significant digits, without trailing zeros.
-fn tidy(value: f64) -> String {
+pub(super) fn tidy(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         return "0".to_owned();

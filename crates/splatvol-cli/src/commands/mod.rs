@@ -12,6 +12,7 @@ pub(crate) mod info;
 pub(crate) mod lab;
 mod methods;
 mod metrics;
+mod nothing;
 mod outputs;
 pub(crate) mod part;
 pub(crate) mod render;

@@ -48,7 +48,7 @@ pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
             keeps_alpha: false,
             in_windows: true,
         })
-        .map_err(Failure::of_scene)?;
+        .map_err(|error| Failure::of_scene(error, &args.recipe.to_string_lossy()))?;
     let picture = whole_where_needed(picture, EngineName::Cpu, terminal)?;
     let recipe = picture.document.to_json(false)?;
     let files = state_of_files(&picture.files).during(Step::Input)?;

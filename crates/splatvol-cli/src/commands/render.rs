@@ -9,6 +9,7 @@ use splatvol_io::ImageFormat;
 
 use super::asked::{Asked, Delivery, Prepared};
 use super::bands::{self, BandedPng, Sheet};
+use super::nothing;
 use super::outputs::Outputs;
 use super::studio::engine;
 use crate::args::{EngineName, RenderArgs};
@@ -44,7 +45,7 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let banded = outputs
         .banded()
         .filter(|_| bands::are_needed(size, memory) && args.engine == EngineName::Cpu);
-    let statistics = if let Some(path) = banded {
+    let (statistics, is_empty) = if let Some(path) = banded {
         let sheet = Sheet {
             size,
             background: picture.background(),
@@ -64,8 +65,9 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
         let (frame, statistics) = render(&prepared, terminal)?;
         let look = (picture.background(), picture.bits());
         outputs.write(&frame, look, &metadata, overwrite)?;
-        statistics
+        (statistics, nothing::is_empty(&frame))
     };
+    nothing::warn(is_empty, picture, terminal);
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
     say_holes(&statistics, terminal);
     if !statistics.why.is_empty() {
@@ -74,18 +76,19 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     outputs.finish(&statistics, size, (overwrite, start), terminal)
 }
 
-/// Renders and writes a picture band by band.
+/// Renders and writes a picture band by band; true if nothing is visible.
 fn render_bands(
     prepared: &Prepared,
     (mut png, memory): (BandedPng, u64),
     overwrite: bool,
     terminal: &Terminal,
-) -> Result<RenderStatistics, Failure> {
+) -> Result<(RenderStatistics, bool), Failure> {
     let Prepared { picture, means, .. } = prepared;
     let size = picture.settings.size;
     let mut renderer = engine(*means)?;
     let bar = terminal.progress("Rendering");
     let mut all: Option<RenderStatistics> = None;
+    let mut is_empty = true;
     for rows in bands::bands(size, memory) {
         let report = |share: f64| {
             let done = f64::from(rows.start) + share * rows.len() as f64;
@@ -101,12 +104,14 @@ fn render_bands(
             window: Some(window),
             ..Control::default()
         };
-        png.write(&frame_of(picture, &mut renderer, &control)?)?;
+        let band = frame_of(picture, &mut renderer, &control)?;
+        is_empty = is_empty && nothing::is_empty(&band);
+        png.write(&band)?;
         let own = renderer.statistics();
         all = Some(all.map_or_else(|| own.clone(), |before| before.plus(own)));
     }
     png.keep(overwrite)?;
-    Ok(all.unwrap_or_default())
+    Ok((all.unwrap_or_default(), is_empty))
 }
 
 /// The frame of a picture, or of what a control asks for of it.

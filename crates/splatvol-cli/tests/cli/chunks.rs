@@ -96,10 +96,17 @@ fn balls(edge: usize) -> Vec<u8> {
 fn label_maps_in_chunks_have_levels_of_labels() {
     let sandbox = Sandbox::new();
     sandbox.write("a.nrrd", balls(96));
-    sandbox.run("convert a.nrrd means.ome.zarr --chunk 16").succeeds();
     sandbox
-        .run("convert a.nrrd labels.ome.zarr --chunk 16 --labels")
+        .run("convert a.nrrd means.ome.zarr --chunk 16 --labels=false")
         .succeeds();
+    let noted = sandbox
+        .run("convert a.nrrd labels.ome.zarr --chunk 16")
+        .succeeds();
+    assert!(
+        noted.stderr().contains("label map: levels have"),
+        "{}",
+        noted.stderr()
+    );
     // What it is stays with it.
     sandbox
         .run("convert labels.ome.zarr again.ome.zarr --chunk 32 --ome-version 0.4")
@@ -134,6 +141,22 @@ fn label_maps_in_chunks_have_levels_of_labels() {
     assert!(decibels > 25.0, "{decibels}");
 }
 
+/// Lost chunks of images that are otherwise read whole are holes, too.
+#[test]
+fn small_images_of_one_level_have_holes() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("convert sample:head:64 a.ome.zarr --chunk 32 --levels 1 --ome-version 0.4")
+        .succeeds();
+    std::fs::remove_file(sandbox.path("a.ome.zarr/0/1/1/1")).unwrap();
+    let picture = "render a.ome.zarr --size 32 -o a.png";
+    sandbox.run(picture).fails(3, &["the chunk is gone"]);
+    let run = sandbox
+        .run(&format!("{picture} --missing-chunks background"))
+        .succeeds();
+    assert!(run.stderr().contains("chunks were lost"), "{}", run.stderr());
+}
+
 /// Flat files that are larger than the memory are read in pieces; levels that they lack are made as pictures need them.
 #[test]
 fn flat_files_larger_than_the_memory_look_as_they_do_in_memory() {
@@ -166,6 +189,9 @@ fn flat_files_larger_than_the_memory_look_as_they_do_in_memory() {
         let [a, b] = ["memory", "pieces"].map(|name| sandbox.bytes(&format!("{name}{index}.png")));
         assert!(a == b, "{flags}");
     }
+    sandbox
+        .run("render a.npy --size 60 --memory 26MiB -o none.png")
+        .fails(2, &["--memory", "at least 30M"]);
     // The overview is enough for everything that has not to be exact.
     sandbox
         .run("render a.npy --size 60 --memory 64MiB -o automatic.png")

@@ -287,3 +287,78 @@ fn comparison_measures_and_shows_differences() {
     sandbox.write("broken.png", b"\x89PNG\r\n\x1a\nno");
     sandbox.run("compare a.png broken.png").fails(3, &["broken.png"]);
 }
+
+#[test]
+fn refusals_say_what_was_typed_and_what_is_expected() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample ball --size 8 -o a.nrrd").succeeds();
+    sandbox.write("points.txt", "0 0 0\n1 1 1\n2 0 1\n");
+    for (arguments, code, words) in [
+        ("render a.nrrd --iso nan", 2, &["--iso", "expected a number"][..]),
+        ("render a.nrrd --rotate 0,0,0:3", 2, &["other than 0,0,0"]),
+        (
+            "render a.nrrd --gradient-opacity 0:-1,5:1",
+            2,
+            &["0:-1: expected a gradient"],
+        ),
+        (
+            "render a.nrrd --gradient-opacity 5:0,1:1",
+            2,
+            &["gradients that ascend"],
+        ),
+        ("render a.nrrd --level-bias -3", 2, &["level bias"]),
+        ("render a.nrrd --zoom -1", 2, &["zoom"]),
+        ("render a.nrrd --threads -1", 2, &["--threads"]),
+        ("render a.nrrd --level 3", 3, &["level 3 was asked for", "NRRD"]),
+        (
+            "render sample:ball:8 --kind points",
+            2,
+            &["--kind", "a built-in sample is a volume"],
+        ),
+        (
+            "convert a.nrrd b.npy --clim 1,2",
+            2,
+            &["--clim has no meaning for b.npy"],
+        ),
+        ("convert points.txt b.nrrd", 3, &["points; convert takes volumes"]),
+        (
+            "convert points.txt b.ome.zarr",
+            3,
+            &["points; convert takes volumes"],
+        ),
+        ("compare points.txt a.nrrd", 3, &["points; compare takes volumes"]),
+    ] {
+        let run = sandbox.run(&format!("{arguments} -w")).fails(code, words);
+        let said = run.stderr();
+        for clumsy in ["unexpected argument", " { ", "Some(", "Axis("] {
+            assert!(!said.contains(clumsy), "{arguments}: {said}");
+        }
+    }
+}
+
+#[test]
+fn pictures_that_show_nothing_say_so() {
+    let sandbox = Sandbox::new();
+    let run = sandbox
+        .run("render sample:ball:8 --iso 5000 --size 16 -o a.png")
+        .succeeds();
+    let said = "nothing is visible: --iso 5000 lies outside the values";
+    assert!(run.stderr().contains(said), "{}", run.stderr());
+    let run = sandbox
+        .run("animate sample:ball:8 --iso 5000 --size 16 --frames 2 -o a.gif")
+        .succeeds();
+    assert_eq!(run.stderr().matches(said).count(), 1, "{}", run.stderr());
+    let run = sandbox.run("render sample:ball:8 --size 16 -o b.png").succeeds();
+    assert!(!run.stderr().contains("visible"), "{}", run.stderr());
+}
+
+#[test]
+fn a_picture_whose_data_are_elsewhere_says_how_to_name_them() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample ball --size 8 -o a.nrrd").succeeds();
+    sandbox.run("render a.nrrd --size 16 -o p.png").succeeds();
+    std::fs::remove_file(sandbox.path("a.nrrd")).unwrap();
+    sandbox
+        .run("render --like p.png -o q.png")
+        .fails(3, &["a.nrrd", "hint:", "--like PICTURE"]);
+}

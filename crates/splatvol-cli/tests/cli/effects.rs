@@ -85,7 +85,7 @@ fn regions_of_values_and_gradients_stand_in_a_file_or_in_the_scene() {
             format!("[effects]\ntf2d = \"look.json\"\n{region}"),
             "effects.tf2d",
         ),
-        (region.replace("0.2, 1.5", "1.5, 0.2"), "LOW, HIGH"),
+        (region.replace("0.2, 1.5", "1.5, 0.2"), "the smaller first"),
         (
             format!("[[item]]\nfile = \"sample:shells:16\"\n{region}"),
             "regions",

@@ -219,11 +219,11 @@ fn scenes_that_make_no_sense_say_why() {
     for (more, code, words) in [
         ("radios = 3", 3, vec!["radios", "scene.toml", "line"]),
         ("radius = 'x'", 3, vec!["radius", "scene.toml"]),
-        ("radius = -1", 2, vec!["item[1].radius", "-1"]),
+        ("radius = -1", 3, vec!["scene.toml", "item[1].radius", "-1"]),
         ("color = [2, 0, 0]", 3, vec!["color"]),
         ("iso = 3", 2, vec!["item[1].iso", "points"]),
         ("up = 'w'", 3, vec!["up", "'w'", "-x", "line"]),
-        ("kind = 'cloud'", 2, vec!["kind", "terrain"]),
+        ("kind = 'cloud'", 3, vec!["item[1].kind", "terrain"]),
         ("[[item]]\nfile = 'missing.ply'", 3, vec!["missing.ply"]),
         (
             "[[item]]\nfile = '../red.txt'",

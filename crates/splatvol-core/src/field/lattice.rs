@@ -8,16 +8,17 @@ use crate::visibility::level_of;
 
 /// A sample type.
 pub(super) trait StoredSample: Copy + PartialOrd + Send + Sync + Into<f64> {
-    /// Difference from a stored value: exact in the small integer types, else computed in f64.
-    fn above(self, low: f64) -> f32;
+    /// Distance from a stored value, times a factor: in f64, except in the small integer types, which f32 holds. Values of
+    /// f64 need not be within its range, as their normalised ones are.
+    fn scaled(self, low: f64, factor: f64) -> f32;
 }
 
 macro_rules! small {
     ($($t:ty),*) => {$(
         impl StoredSample for $t {
             #[inline(always)]
-            fn above(self, low: f64) -> f32 {
-                f32::from(self) - low as f32
+            fn scaled(self, low: f64, factor: f64) -> f32 {
+                (f32::from(self) - low as f32) * factor as f32
             }
         }
     )*};
@@ -27,8 +28,8 @@ macro_rules! large {
     ($($t:ty),*) => {$(
         impl StoredSample for $t {
             #[inline(always)]
-            fn above(self, low: f64) -> f32 {
-                (f64::from(self) - low) as f32
+            fn scaled(self, low: f64, factor: f64) -> f32 {
+                ((f64::from(self) - low) * factor) as f32
             }
         }
     )*};
@@ -118,7 +119,7 @@ pub(super) struct Lattice {
     /// Stored value that is normalised to 0.
     low: f64,
     /// Normalised value per stored value.
-    factor: f32,
+    factor: f64,
     pub any_missing: bool,
     /// Instruction set for which loops over rows are compiled.
     pub simd: Level,
@@ -129,14 +130,18 @@ impl Lattice {
         let own = volume.grid().dims();
         let margin = own.map(|n| usize::from(n > 1));
         let [low, high] = volume.value_range();
-        let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
+        let scale = if high > low {
+            (1.0 / (high - low)).min(f64::MAX)
+        } else {
+            1.0
+        };
         let rescale = volume.rescale();
         Self {
             own,
             dims: std::array::from_fn(|a| own[a] + 2 * margin[a]),
             margin,
             low: (low - rescale.intercept) / rescale.slope,
-            factor: (rescale.slope * scale) as f32,
+            factor: rescale.slope * scale,
             any_missing: volume.statistics().non_finite > 0,
             simd: Level::new(),
         }
@@ -195,7 +200,7 @@ impl Lattice {
     /// `(f - lo) / (hi - lo)`.
     #[inline(always)]
     pub(super) fn normalised<T: StoredSample>(&self, sample: T) -> f32 {
-        sample.above(self.low) * self.factor
+        sample.scaled(self.low, self.factor)
     }
 
     #[inline(always)]

@@ -159,21 +159,21 @@ impl FieldStore {
         let found = self.chunks_with(levels, NEAR);
         self.voxels = 0;
         self.needed.clear();
-        self.set_hole();
+        self.set_hole(self.background);
         if let Some(lazy) = &mut self.lazy {
             lazy.solved.clear();
             lazy.candidates = found;
         }
     }
 
-    /// Lost chunks have the value of the background, which is invisible.
-    fn set_hole(&self) {
+    /// Lost chunks have a normalised value, that of the background, which is invisible.
+    fn set_hole(&self, background: f32) {
         let Some(chunks) = self.source.chunks() else {
             return;
         };
         let [low, high] = self.source.value_range();
         let rescale = self.source.rescale();
-        let real = low + f64::from(self.background) * (high - low);
+        let real = low + f64::from(background) * (high - low);
         let stored = (real - rescale.intercept) / rescale.slope;
         let is_float = chunks.layout(self.source.of().1).element.is_float();
         chunks
@@ -184,6 +184,7 @@ impl FieldStore {
     /// Replaces `bricks` by those of chunks that may hold a visible sample, ascending.
     pub(super) fn candidate_bricks(&self, levels: &VisibleLevels, bricks: &mut Vec<u32>) {
         let [nx, ny, _] = self.bricks;
+        self.set_hole(self.histogram.background(levels));
         for candidate in self.chunks_with(levels, 1) {
             let number = |at| {
                 let [x, y, z] = self.brick_at(candidate.chunk, at);

@@ -37,6 +37,15 @@ pub(crate) struct RaySegment {
     pub step: Vec3,
 }
 
+/// Where all points of a set lie among the clips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Visible,
+    Hidden,
+    /// Some of them may be visible, others hidden, or at a face.
+    Between,
+}
+
 /// Largest distance that rounding may move a face in front of its interval's start.
 const ROUNDING: f32 = 1e-3;
 
@@ -68,6 +77,20 @@ impl Cut {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.bodies.is_empty()
+    }
+
+    /// Side of the convex hull of points. With twice the `slack` a set has no other side than its parts, unless between.
+    pub(crate) fn side(&self, points: &[Vec3], slack: f32) -> Side {
+        let mut side = Side::Visible;
+        for (planes, keep) in &self.bodies {
+            let of_body = side_of(planes, points, slack);
+            match (of_body, keep) {
+                (Side::Between, _) => side = Side::Between,
+                (Side::Hidden, Keep::Inside) | (Side::Visible, Keep::Outside) => return Side::Hidden,
+                (Side::Visible, Keep::Inside) | (Side::Hidden, Keep::Outside) => {}
+            }
+        }
+        side
     }
 
     /// Visible ranges of a segment, from front to back.
@@ -128,6 +151,28 @@ fn begin(range: &mut Range, at: f32, normal: Vec3) {
         range.face = Some(normal);
         range.from = range.from.max(at);
     }
+}
+
+/// Side of points if the inside of the planes is visible: within `slack` of a plane they lie between.
+fn side_of(planes: &[Plane], points: &[Vec3], slack: f32) -> Side {
+    let mut side = Side::Visible;
+    for plane in planes {
+        let (mut low, mut high, mut size) = (f32::INFINITY, f32::NEG_INFINITY, plane.offset.abs());
+        for point in points {
+            let along = plane.normal.dot(*point);
+            low = low.min(along + plane.offset);
+            high = high.max(along + plane.offset);
+            size = size.max(along.abs());
+        }
+        let slack = slack * (2.0 * ROUNDING * (high - low) + 8.0 * f32::EPSILON * size);
+        if high < -slack {
+            return Side::Hidden;
+        }
+        if low <= slack {
+            side = Side::Between;
+        }
+    }
+    side
 }
 
 fn passage(planes: &[Plane], segment: &RaySegment) -> Passage {

@@ -11,13 +11,15 @@
 
 use std::sync::Arc;
 
+use fearless_simd::prelude::*;
 use glam::{Affine3A, Vec3};
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Appearance, Camera, PixelOperator, SheetSample};
 
 use super::canvas::Canvas;
-use super::cut::{Cut, Range};
+use super::cut::{Cut, Range, Side};
 use super::pixel::{Pixel, Pixels, Units};
+use super::plane::Span;
 use super::shade::Interval;
 use super::shade::{PlaneShader, ShadeTarget};
 use crate::phong::Lit;
@@ -75,16 +77,92 @@ impl Face {
 /// A tile's memory of cuts, and room for parts of intervals.
 #[derive(Debug, Default)]
 pub(crate) struct Faces {
+    /// Of each pixel; none before the first cut.
     faces: Vec<Face>,
+    divided: Divided,
     ranges: Vec<Range>,
     /// Places and surfaces.
     crossings: Vec<(f32, usize)>,
+}
+
+/// What clips do to sixteen pixels of a row in an interval: bits of those that they leave whole, and of those that they may
+/// cut. The others are hidden.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sixteen {
+    whole: u16,
+    cut: u16,
+}
+
+/// The same of all pixels of a tile that an interval fills.
+#[derive(Debug, Default)]
+struct Divided {
+    sixteens: Vec<Sixteen>,
+    /// Sixteens of a row.
+    pitch: usize,
+}
+
+impl Divided {
+    /// Of the pixels from a place on.
+    fn at(&self, [x, y]: [usize; 2]) -> Sixteen {
+        self.sixteens
+            .get(y * self.pitch + x / 16)
+            .copied()
+            .unwrap_or_default()
+    }
 }
 
 impl Faces {
     /// Forgets all.
     pub(crate) fn clear(&mut self) {
         self.faces.clear();
+    }
+
+    /// Whether a pixel looks at a cut face, as of an interval.
+    fn is_lit(&self, pixel: usize, sheet: usize) -> bool {
+        let face = self.faces.get(pixel);
+        face.is_some_and(|face| face.share > 0.0 && sheet <= face.sheet + 1)
+    }
+
+    /// Divides the pixels of an interval; without clips all of them are to be shaded one by one.
+    fn divide(
+        &mut self,
+        (pixels, cut): (&Pixels<'_>, Option<&Cut>),
+        (target, sheet): (&ShadeTarget<'_>, usize),
+    ) {
+        let Span { x0, y0, x1, y1 } = target.span;
+        let pitch = x1.div_ceil(16);
+        let mut sixteens = std::mem::take(&mut self.divided.sixteens);
+        sixteens.clear();
+        sixteens.resize(pitch * y1, Sixteen::default());
+        for y in y0..y1 {
+            for x in (x0 / 16 * 16..x1).step_by(16) {
+                let open = target.mask.sixteen(x, y);
+                if open == 0 {
+                    continue;
+                }
+                let side = cut.map_or(Side::Between, |cut| pixels.side(cut, [x, y, x + 15, y]));
+                let is_whole = |lane: usize| {
+                    let side = match (side, cut) {
+                        (Side::Between, Some(cut)) => pixels.side_of(cut, [x + lane, y]),
+                        _ => side,
+                    };
+                    match side {
+                        Side::Visible => Some(!self.is_lit(y * target.canvas.pitch + x + lane, sheet)),
+                        Side::Hidden => None,
+                        Side::Between => Some(false),
+                    }
+                };
+                let own = &mut sixteens[y * pitch + x / 16];
+                for lane in (0..16).filter(|lane| open >> lane & 1 != 0) {
+                    match is_whole(lane) {
+                        Some(true) => own.whole |= 1 << lane,
+                        Some(false) => own.cut |= 1 << lane,
+                        None => {}
+                    }
+                }
+            }
+        }
+        self.divided = Divided { sixteens, pitch };
     }
 }
 
@@ -162,7 +240,7 @@ impl<'a> Operated<'a> {
             range: range as f32,
         };
         let surfaces = effects.isosurfaces.iter().map(|surface| Surface {
-            value: (surface.value as f32 - units.lowest) / units.range,
+            value: ((surface.value - low) / range) as f32,
             color: Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32)),
             extinction: (-libm::log1p(-surface.opacity) / mean_spacing) as f32,
         });
@@ -180,11 +258,13 @@ impl<'a> Operated<'a> {
         })
     }
 
-    /// Shades an interval, and closes the pixels that it finishes.
-    pub(crate) fn shade(
+    /// Shades an interval, and closes the pixels that it finishes. Pixels that clips neither touch nor have just left are shaded
+    /// as without clips.
+    #[inline(always)]
+    pub(crate) fn shade<S: Simd>(
         &self,
-        (shader, interval): (&PlaneShader<'_>, &Interval<'_>),
-        sheet: usize,
+        simd: S,
+        (shader, interval, sheet): (&PlaneShader<'_>, &Interval<'_>, usize),
         target: &mut ShadeTarget<'_>,
         faces: &mut Faces,
     ) {
@@ -193,11 +273,42 @@ impl<'a> Operated<'a> {
             interval,
             origin: target.origin,
         };
+        let Span { x0, y0, x1, y1 } = target.span;
+        if target.span.is_empty() {
+            return;
+        }
+        let only_cuts = self.operators.is_empty() && self.surfaces.is_empty();
+        let side = match only_cuts {
+            true => pixels.side(&self.cut, [x0, y0, x1 - 1, y1 - 1]),
+            false => Side::Between,
+        };
+        match side {
+            Side::Hidden => {}
+            Side::Visible if faces.faces.is_empty() => shader.shade(simd, interval, target),
+            _ => {
+                faces.divide((&pixels, only_cuts.then_some(&self.cut)), (target, sheet));
+                let divided = std::mem::take(&mut faces.divided);
+                shader.shade_some(simd, interval, target, |at| divided.at(at).whole);
+                self.shade_cut((&pixels, sheet), target, (faces, &divided));
+                faces.divided = divided;
+            }
+        }
+    }
+
+    /// Shades the pixels that clips may touch, one by one.
+    fn shade_cut(
+        &self,
+        (pixels, sheet): (&Pixels<'_>, usize),
+        target: &mut ShadeTarget<'_>,
+        (faces, divided): (&mut Faces, &Divided),
+    ) {
+        let shader = pixels.shader;
         faces.faces.resize(target.canvas.transmittance.len(), Face::NONE);
         let span = target.span;
         for y in span.y0..span.y1 {
             for x in span.x0..span.x1 {
-                if target.mask.sixteen(x, y) & 1 == 0 {
+                let is_cut = divided.at([x / 16 * 16, y]).cut >> (x % 16) & 1 != 0;
+                if !is_cut || target.mask.sixteen(x, y) & 1 == 0 {
                     continue;
                 }
                 let Some(pixel) = pixels.get([x, y]) else { continue };

@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 use splatvol_scene::SheetSample;
 
 use super::crossing::Cubic;
-use super::cut::RaySegment;
+use super::cut::{Cut, RaySegment, Side};
 use super::holes::beside_of;
 use super::plane::{HALO, Plane};
 use super::shade::{Interval, PlaneShader, depth_slope_of};
@@ -54,6 +54,34 @@ pub(crate) struct Pixel {
 }
 
 impl Pixels<'_> {
+    /// Motion of a pixel's ray in camera x and y per depth, and its points on both planes, camera space.
+    fn ends(&self, [x, y]: [usize; 2]) -> ([f32; 2], [Vec3; 2]) {
+        let shader = self.shader;
+        let in_picture = [self.origin[0] + x, self.origin[1] + y];
+        let from_middle = [0, 1].map(|a| in_picture[a] as f32 + 0.5 - shader.principal[a]);
+        let ray = from_middle.map(|d| d * shader.per_pixel);
+        let ends = self.interval.depths.map(|depth| {
+            if shader.per_pixel > 0.0 {
+                Vec3::new(ray[0] * depth, ray[1] * depth, depth)
+            } else {
+                let [x, y] = from_middle.map(|d| d * shader.plane_per_pixel);
+                Vec3::new(x, y, depth)
+            }
+        });
+        (ray, ends)
+    }
+
+    /// Side of all points of the interval in a rectangle of pixels of the tile, its ends included.
+    pub(crate) fn side(&self, cut: &Cut, [x0, y0, x1, y1]: [usize; 4]) -> Side {
+        let corners = [[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(|corner| self.ends(corner).1);
+        cut.side(corners.as_flattened(), 2.0)
+    }
+
+    /// Side of the interval of one pixel.
+    pub(crate) fn side_of(&self, cut: &Cut, pixel: [usize; 2]) -> Side {
+        cut.side(&self.ends(pixel).1, 1.0)
+    }
+
     /// The pixel at x, y of the tile; `None` where it is invisible.
     pub(crate) fn get(&self, [x, y]: [usize; 2]) -> Option<Pixel> {
         let Self { shader, interval, .. } = self;
@@ -118,16 +146,7 @@ impl Pixels<'_> {
         if let Some([x, y, _]) = interval.at_eye {
             across[0] = [x, y];
         }
-        let from_middle = [0, 1].map(|a| in_picture[a] as f32 + 0.5 - shader.principal[a]);
-        let ray = from_middle.map(|d| d * shader.per_pixel);
-        let [start, end] = interval.depths.map(|depth| {
-            if shader.per_pixel > 0.0 {
-                Vec3::new(ray[0] * depth, ray[1] * depth, depth)
-            } else {
-                let [x, y] = from_middle.map(|d| d * shader.plane_per_pixel);
-                Vec3::new(x, y, depth)
-            }
-        });
+        let (ray, [start, end]) = self.ends([x, y]);
         Some(Pixel {
             cubic,
             ends: [values[1], values[2]],

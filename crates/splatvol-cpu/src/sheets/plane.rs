@@ -1,6 +1,6 @@
 //! A finished sheet: one value per pixel of a tile and of two pixels around it, rows of vectors.
 
-use fearless_simd::{f32x16, f64x8, prelude::*};
+use fearless_simd::{f32x16, f64x8, mask32x16, prelude::*};
 
 use super::ring::{Area, BLOCK_EDGE, Block, LANES, SheetRing};
 
@@ -106,7 +106,8 @@ impl Plane {
         }
         let inside = [size[0].div_ceil(BLOCK_EDGE), size[1].div_ceil(BLOCK_EDGE)];
         let rows = ring.group(slot / LANES);
-        let others = f32x16::from_slice(simd, &OTHERS[LANE]);
+        let own = mask32x16::from_bitmask(simd, 0x1111 << LANE);
+        let zero = f32x16::splat(simd, 0.0);
         // Eight blocks make a vector of each row of pixels.
         let first = touched.x0.saturating_sub(apron).min(inside[0]) / 8 * 8;
         let last = touched.x1.saturating_sub(apron).min(inside[0]);
@@ -126,7 +127,9 @@ impl Plane {
         }
         for row in &mut rows[touched.y0..touched.y1] {
             for block in &mut row.0[touched.x0..touched.x1] {
-                (f32x16::from_slice(simd, &block.0) * others).store_slice(&mut block.0);
+                // Not by a product: infinite values must go, too.
+                own.select(zero, f32x16::from_slice(simd, &block.0))
+                    .store_slice(&mut block.0);
             }
         }
         if first < last && y0 < y1 {
@@ -173,17 +176,37 @@ fn take_four<S: Simd, const LANE: usize>(simd: S, blocks: [&Block; 4]) -> f32x16
     }
 }
 
-/// Masks, one for each sheet, of the numbers of a block that belong to other sheets.
-const OTHERS: [[f32; 16]; LANES] = {
-    let mut masks = [[1.0; 16]; LANES];
-    let mut lane = 0;
-    while lane < LANES {
-        let mut i = lane;
-        while i < 16 {
-            masks[lane][i] = 0.0;
-            i += LANES;
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+    use crate::sheets::ring::Block;
+
+    /// Whatever a sheet held, nothing of it is left.
+    #[test]
+    fn infinite_values_leave_the_ring_with_their_sheet() {
+        let mut ring = SheetRing::default();
+        ring.reset(16, 1);
+        let area = Area {
+            x0: 2,
+            y0: 2,
+            x1: 6,
+            y1: 5,
+        };
+        for slot in 0..LANES {
+            for (i, value) in [f32::NAN, f32::INFINITY, -2.0].into_iter().enumerate() {
+                ring.rows[2 + i].0[3].0[slot] = value;
+            }
+            ring.touched[slot] = area;
         }
-        lane += 1;
+        let mut plane = Plane::default();
+        plane.reset([32, 16]);
+        for slot in 0..LANES {
+            dispatch!(Level::new(), simd => plane.take(simd, &mut ring, slot, 0, [32, 16]));
+            assert!(plane.values.iter().any(|value| value.is_nan()));
+        }
+        let left = |block: &Block| block.0.iter().any(|value| *value != 0.0);
+        assert!(!ring.rows.iter().any(|row| row.0.iter().any(left)));
     }
-    masks
-};
+}

@@ -186,13 +186,25 @@ impl PlaneShader<'_> {
     /// Shades an interval, and closes the pixels that it finishes.
     #[inline(always)]
     pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
+        self.shade_some(simd, interval, target, |_| u16::MAX);
+    }
+
+    /// As [`Self::shade`], of sixteen pixels from a place on those that `which` has bits for.
+    #[inline(always)]
+    pub(crate) fn shade_some<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &mut ShadeTarget<'_>,
+        which: impl Fn([usize; 2]) -> u16,
+    ) {
         let span = target.span;
         target.batch.begin(interval);
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
                 if target.mask.sixteen(x, y) != 0 {
-                    let shown = self.may_show(simd, interval, target, [x, y]);
+                    let shown = self.may_show(simd, interval, target, [x, y]) & u64::from(which([x, y]));
                     if shown != 0 {
                         self.collect(simd, interval, target, ([x, y], shown));
                     }

@@ -79,7 +79,7 @@ pub(crate) fn show<S: Simd>(
 ) {
     match operated {
         None => shader.shade(simd, interval, target),
-        Some(operated) => operated.shade((shader, interval), sheet, target, faces),
+        Some(operated) => operated.shade(simd, (shader, interval, sheet), target, faces),
     }
 }
 

@@ -60,8 +60,8 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Document, DocumentError> {
                 named("file")
             )));
         }
-        item.world_from_file()
-            .map_err(|error| malformed(error.of_index(i).to_string()))?;
+        let fine = item.check_values().and_then(|()| item.world_from_file());
+        fine.map_err(|error| malformed(error.of_index(i).to_string()))?;
         item.file = beside(&item.file, &named("file"), path)?;
         let files = [
             ("tf", &mut item.tf),

@@ -3,6 +3,7 @@
 
 mod animation;
 mod camera;
+mod domains;
 mod effects;
 mod item;
 mod motion;
@@ -13,6 +14,8 @@ mod values;
 
 pub use animation::{AnimationKeys, CameraFrame};
 pub use camera::{CameraKeys, Parallel};
+pub use domains::check_gradient_opacity;
+pub(crate) use domains::check_regions;
 pub use effects::EffectKeys;
 pub use item::{ItemKeys, Opacity};
 pub use motion::{CameraSweep, MotionKeys};

@@ -66,9 +66,7 @@ impl ItemKeys {
         }
         let rotation = match &self.rotate {
             None => DMat3::IDENTITY,
-            Some(rotate) => rotate
-                .matrix()
-                .ok_or_else(|| refused("rotate", format!("{rotate:?}")))?,
+            Some(rotate) => rotate.matrix().ok_or_else(|| refused("rotate", rotate.shown()))?,
         };
         let shift = DVec3::from_array(self.translate.unwrap_or_default());
         if !shift.is_finite() {
@@ -80,6 +78,16 @@ impl ItemKeys {
 }
 
 impl Rotate {
+    /// As a scene file has it.
+    fn shown(&self) -> String {
+        let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        match self {
+            Self::Axis(Axis::Name(name), degrees) => format!("[\"{name}\", {degrees}]"),
+            Self::Axis(Axis::Direction(axis), degrees) => format!("[[{}], {degrees}]", list(axis)),
+            Self::Matrix(rows) => format!("[{}]", rows.map(|row| format!("[{}]", list(&row))).join(", ")),
+        }
+    }
+
     /// The matrix, if it is a rotation.
     fn matrix(&self) -> Option<DMat3> {
         match self {

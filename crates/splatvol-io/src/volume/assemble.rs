@@ -139,12 +139,12 @@ pub(crate) fn choose_channel(
     };
     match options.channel {
         Some(channel) if channel >= channels.len() => {
-            let what = format!("channel {channel} was asked for; there are {}", list());
+            let what = format!("channel {channel} was asked for; to choose from: {}", list());
             Err(context.unsupported(what))
         }
         Some(channel) => Ok((channel, None)),
         None if channels.len() == 1 => Ok((0, None)),
-        None => Ok((0, Some(format!("channel 0 is read; there are {}", list())))),
+        None => Ok((0, Some(format!("channel 0 is read; to choose from: {}", list())))),
     }
 }
 

@@ -39,8 +39,9 @@ pub(super) fn check(format: Format, options: &ReadOptions, context: &Context<'_>
     ];
     for (name, asked, formats) in choices {
         if let Some(asked) = asked.filter(|_| !formats.contains(&format)) {
-            let expected = format!("no such choice: files of this format ({format:?}) have none");
-            return Err(context.field(name, asked, None, expected));
+            let what =
+                format!("{name} {asked} was asked for; files of this format ({format}) have no such choice");
+            return Err(context.unsupported(what));
         }
     }
     Ok(())

@@ -2,6 +2,7 @@
 //! several (a numbered series such as `slice.%03d 1 93 1`, or a list).
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use super::Description;
 use super::fields::{Field, Line};
@@ -99,6 +100,19 @@ impl<'a> DataFiles<'a> {
             kind,
             is_followed: false,
         })
+    }
+
+    /// Whether the samples lie behind the header.
+    pub(super) fn is_attached(&self) -> bool {
+        matches!(self.kind, Kind::Attached)
+    }
+
+    /// The file beside the header, where one holds all samples.
+    pub(super) fn only(&self, context: &Context<'_>) -> Option<PathBuf> {
+        match &self.kind {
+            Kind::One(field) => companion(&field.value, self.field, field.offset, context).ok(),
+            Kind::Attached | Kind::List(_) | Kind::Series(..) => None,
+        }
     }
 
     /// How many there are.

@@ -1,6 +1,7 @@
 //! Detection of a file's format: by its first bytes, else by its extension.
 
 use std::cmp::Ordering;
+use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 
 use super::{dicom, slc, slices, zarr};
@@ -29,6 +30,28 @@ pub(super) enum Format {
     Slc,
     Zarr,
     Raw,
+}
+
+impl Display for Format {
+    /// Its name, for people.
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Nrrd => "NRRD",
+            Self::MetaImage => "MetaImage",
+            Self::Nifti => "NIfTI",
+            Self::Vti => "VTI",
+            Self::LegacyVtk => "legacy VTK",
+            Self::Npy => "NPY",
+            Self::Npz => "NPZ",
+            Self::Dicom => "DICOM",
+            Self::Tiff => "TIFF",
+            Self::Slices => "a folder of slices",
+            Self::Mgh => "MGH",
+            Self::Slc => "SLC",
+            Self::Zarr => "OME-Zarr",
+            Self::Raw => "raw",
+        })
+    }
 }
 
 /// Lower-case extension, with `.nii.gz` and `.raw.gz` as one; empty if there is none.
@@ -85,6 +108,9 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
         "dcm" | "dicom" | "ima" => Ok(Format::Dicom),
         "raw" | "raw.gz" | "bin" => Ok(Format::Raw),
         _ if looks_like_metaimage(&start) => Ok(Format::MetaImage),
+        "png" | "jpg" | "jpeg" => Err(context.unsupported(format!(
+            "a single picture (.{extension}) is no volume; name a folder of such files, which are its slices"
+        ))),
         _ => Err(context.unsupported(format!(
             "neither the first bytes nor the extension \"{extension}\" belong to a known format \
              (NRRD, MetaImage, NIfTI, VTI, legacy VTK, NPY, NPZ, DICOM, TIFF, OME-Zarr, MGH, SLC; raw needs its layout)"
@@ -109,10 +135,28 @@ fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError
     if files.iter().any(|file| slices::is_slice(file)) {
         return Ok(Format::Slices);
     }
+    let inside = counted(files.len(), "file");
+    let what = match folders_of(folder) {
+        0 => format!("a folder of {inside}"),
+        count => format!(
+            "a folder of {inside} and {}, which are not looked into,",
+            counted(count, "folder")
+        ),
+    };
     Err(context.unsupported(format!(
-        "a folder of {} files, none of which belongs to a known format (DICOM; OME-Zarr; TIFF, PNG or JPEG slices)",
-        files.len()
+        "{what} none of which belongs to a known format (DICOM; OME-Zarr; TIFF, PNG or JPEG slices)"
     )))
+}
+
+/// `1 file`, `2 files`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The number of folders in a folder.
+fn folders_of(folder: &Path) -> usize {
+    let entries = files::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter(|entry| files::is_dir(&entry.path())).count()
 }
 
 /// The regular files of a folder, in natural order: `I9` before `I10`.

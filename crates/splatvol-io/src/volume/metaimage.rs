@@ -73,7 +73,7 @@ pub(super) fn read<T: FromStored>(path: &Path, options: &ReadOptions) -> Result<
         files: header.files(&context)?,
     };
     let context = Context::new("MetaImage data", path).following(options);
-    header.check_compressed_size(&mut draft);
+    header.check_compressed_size(&stored.files, &mut draft, &context);
     T::from_stored(&stored, source, draft, (options, &context))
 }
 
@@ -248,22 +248,21 @@ impl Header {
     }
 
     /// `CompressedDataSize` is known to be wrong in practice: the stream itself marks its end.
-    fn check_compressed_size(&self, draft: &mut Draft) {
+    fn check_compressed_size(&self, data: &DataFiles<'_>, draft: &mut Draft, context: &Context<'_>) {
         let Some(field) = self.fields.get("compresseddatasize") else {
             return;
         };
-        let before = if draft.description.files.len() == 1 {
-            self.length
-        } else {
-            0
+        let (file, before) = match data.only(context) {
+            Some(file) => (file, 0),
+            None if data.is_attached() => (context.path.to_owned(), self.length),
+            None => return,
         };
-        let data = draft
-            .description
-            .files
-            .last()
-            .and_then(|file| files::metadata(file).ok());
-        let found = data.map_or(0, |metadata| metadata.len().saturating_sub(before));
-        if draft.description.files.len() <= 2 && field.value.parse() != Ok(found) {
+        // A file that cannot be read is reported by whoever reads it.
+        let Ok(metadata) = files::metadata(&file) else {
+            return;
+        };
+        let found = metadata.len().saturating_sub(before);
+        if field.value.parse() != Ok(found) {
             let declared = excerpt(&field.value);
             draft.warn(format!(
                 "CompressedDataSize is {declared}, there are {found} bytes; all were used"

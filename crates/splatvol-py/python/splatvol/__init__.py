@@ -5,13 +5,13 @@
 >>> frame.size
 (64, 64)
 
-A picture has the bytes that the command ``splatvol`` makes by the same settings, whatever the number of threads.
+A picture has the pixels that the command ``splatvol`` makes by the same settings, whatever the number of threads.
 """
 
 from ._accessor import register_with_xarray as _register_with_xarray
 from ._camera import Camera
 from ._core import Stop as CancelToken
-from ._core import __version__, set_threads, threads
+from ._core import __version__, threads
 from ._data import Data, Gaussians, Mesh, Points, Volume
 from ._errors import (
     Cancelled,
@@ -32,7 +32,7 @@ from ._parts import assemble, part, recipe
 from ._render_options import ReadOptions, RenderOptions
 from ._scene import Item, Scene
 from ._series import Series
-from ._verbs import Difference, animate, colormaps, compare, info, like, load, read, render, samples, show
+from ._verbs import Difference, animate, colormaps, compare, info, like, load, read, render, samples, set_threads, show
 
 __all__ = [
     "Camera",

@@ -15,14 +15,15 @@ from ._camera import Camera
 from ._data import Progress, Volume
 from ._errors import Cancelled, InvalidValue
 from ._frame import Frame, _replace
+from ._options import OWN
 from ._series import Series
-from ._vocabulary import Keys
+from ._vocabulary import Keys, check
 
 if TYPE_CHECKING:
     from ._scene import Scene
 
-#: Keywords of animations, and their keys.
-KEYWORDS = ("turntable", "path", "frames", "fps", "ease", "shutter")
+#: Keywords of animations.
+KEYWORDS = ("turntable", "keys", "frames", "fps", "ease", "shutter", "resume", "progress")
 
 
 def animate(
@@ -47,6 +48,7 @@ def animate(
 
 def animation_document(scene: Scene, asked: dict[str, Any], overrides: dict[str, Any]) -> Keys:
     """The document of a scene with the table of an animation."""
+    check(overrides, (*OWN, *KEYWORDS))
     return {**scene.to_dict(**overrides), "animation": _table(**asked)}
 
 

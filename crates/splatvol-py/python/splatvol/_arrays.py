@@ -9,10 +9,28 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _checks
 from ._errors import DataWarning, InvalidValue
 
 #: Types that the engine reads as they are.
 AS_THEY_ARE = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+
+
+def on_cpu(data: Any) -> Any:
+    """Data that numpy reads: tensors as arrays of the same memory.
+
+    Raises
+    ------
+    TypeError
+        Tensors on a GPU; the message says what to write.
+    """
+    if getattr(getattr(data, "device", None), "type", "cpu") != "cpu":
+        raise TypeError(f"the tensor is on {data.device}: write tensor.cpu() to bring it here")
+    if hasattr(data, "__cuda_array_interface__"):
+        raise TypeError("the array is on a GPU: write cupy.asnumpy(array), or .get(), to bring it here")
+    if hasattr(data, "detach") and hasattr(data, "__dlpack__"):
+        return np.from_dlpack(data.detach())
+    return data
 
 
 def samples_of(data: Any, *, copy: bool | None = None) -> np.ndarray[Any, Any]:
@@ -23,12 +41,6 @@ def samples_of(data: Any, *, copy: bool | None = None) -> np.ndarray[Any, Any]:
     TypeError
         What holds no real numbers; the message says what to write.
     """
-    if getattr(getattr(data, "device", None), "type", "cpu") != "cpu":
-        raise TypeError(f"the tensor is on {data.device}: write tensor.cpu() to bring it here")
-    if hasattr(data, "__cuda_array_interface__"):
-        raise TypeError("the array is on a GPU: write cupy.asnumpy(array), or .get(), to bring it here")
-    if hasattr(data, "detach") and hasattr(data, "__dlpack__"):
-        data = np.from_dlpack(data.detach())
     mask = np.ma.getmaskarray(data) if isinstance(data, np.ma.MaskedArray) and data.mask is not np.ma.nomask else None
     array = np.asarray(data)
     array = _known_type(array)
@@ -40,6 +52,35 @@ def samples_of(data: Any, *, copy: bool | None = None) -> np.ndarray[Any, Any]:
     elif copy:
         array = array.copy()
     return array
+
+
+def unmasked(values: Any, field: str) -> Any:
+    """Numbers of which none is masked.
+
+    Raises
+    ------
+    InvalidValue
+    """
+    if isinstance(values, np.ma.MaskedArray):
+        if np.ma.getmaskarray(values).any():
+            message = f"{field}: some are masked: leave those out, values[~mask], or write values.filled(...)"
+            raise InvalidValue(message, field=field)
+        return values.data
+    return values
+
+
+def numbers(values: Any, dtype: npt.DTypeLike, field: str) -> npt.NDArray[Any]:
+    """An array of numbers, aligned and in C order, that are not masked.
+
+    Raises
+    ------
+    InvalidValue
+    """
+    values = unmasked(values, field)
+    try:
+        return np.require(np.asarray(values, dtype=dtype), requirements=["C", "A"])
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidValue(f"{field}: {error}", field=field) from None
 
 
 def _known_type(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
@@ -88,6 +129,8 @@ def check_axes(axes: str, ndim: int) -> None:
     InvalidValue
         With what to write.
     """
+    if not isinstance(axes, str):
+        raise _checks.refused("axes", axes, 'x, y and z in some order, as "zyx"')
     if len(axes) != ndim:
         choose = "choose one, array[0], or write splatvol.Series" if ndim > 3 else "a volume has three"
         message = f"axes={axes!r} names {len(axes)} axes, and the array has {ndim}: {choose}"
@@ -98,9 +141,9 @@ def check_axes(axes: str, ndim: int) -> None:
 
 
 def in_order(array: np.ndarray[Any, Any], axes: str) -> np.ndarray[Any, Any]:
-    """The array with axes z, y, x in C order; a view where its memory allows one."""
+    """The array with axes z, y, x in C order, aligned; a view where its memory allows one."""
     turned = array.transpose([axes.index(axis) for axis in "zyx"])
-    return np.ascontiguousarray(turned)
+    return np.require(turned, requirements=["C", "A"])
 
 
 Lengths = float | Sequence[float] | Mapping[str, float] | npt.NDArray[Any] | None
@@ -120,14 +163,29 @@ def by_axis(lengths: Lengths, axes: str, default: float, name: str) -> list[floa
         unknown = sorted(set(lengths) - set("xyz"))
         if unknown:
             raise InvalidValue(f"{name}: {unknown[0]!r} is no axis (x, y or z)", field=name, value=str(unknown[0]))
-        return [float(lengths.get(axis, default)) for axis in "xyz"]
-    numbers = [float(number) for number in np.atleast_1d(np.asarray(lengths, dtype=float))]
-    if len(numbers) == 1:
-        numbers *= 3
-    if len(numbers) != 3:
-        message = f"{name}: {len(numbers)} numbers are not one for each axis of {axes!r}"
+        return [_checks.number(lengths.get(axis, default), name) for axis in "xyz"]
+    given: list[Any] = [lengths] if np.ndim(lengths) == 0 else list(lengths)  # type: ignore[arg-type]
+    each = [_checks.number(length, name) for length in given]
+    if len(each) == 1:
+        each *= 3
+    if len(each) != 3:
+        message = f"{name}: {len(each)} numbers are not one for each axis of {axes!r}"
         raise InvalidValue(message, field=name, value=str(lengths))
-    return [numbers[axes.index(axis)] for axis in "xyz"]
+    return [each[axes.index(axis)] for axis in "xyz"]
+
+
+def steps_of(spacing: Lengths, axes: str) -> list[float]:
+    """World lengths between samples along x, y, z; 1 by default.
+
+    Raises
+    ------
+    InvalidValue
+        As for :func:`by_axis`, and lengths that are not above 0: an affine map mirrors.
+    """
+    steps = by_axis(spacing, axes, 1.0, "spacing")
+    if not all(step > 0 for step in steps):
+        raise _checks.refused("spacing", spacing, "above 0 (affine= mirrors)")
+    return steps
 
 
 def world_from_index(affine: Any, axes: str, spacing: Lengths, origin: Lengths) -> list[list[float]]:
@@ -141,12 +199,12 @@ def world_from_index(affine: Any, axes: str, spacing: Lengths, origin: Lengths) 
         An affine map of another shape, or beside spacing or origin.
     """
     if affine is None:
-        steps = by_axis(spacing, axes, 1.0, "spacing")
+        steps = steps_of(spacing, axes)
         first = by_axis(origin, axes, 0.0, "origin")
         return [[steps[row] * (row == column) for column in range(3)] + [first[row]] for row in range(3)]
     if spacing is not None or origin is not None:
         raise InvalidValue("affine= says spacing and origin already: leave those out", field="affine")
-    rows = np.asarray(affine, dtype=float)
+    rows = numbers(affine, float, "affine")
     if rows.shape not in ((4, 4), (3, 4)):
         raise InvalidValue(f"affine: its shape {rows.shape} is not (4, 4) or (3, 4)", field="affine")
     columns = [axes.index(axis) for axis in "xyz"] + [3]

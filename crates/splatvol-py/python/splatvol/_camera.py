@@ -10,13 +10,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _checks
 from ._errors import InvalidValue
 
 Vector = tuple[float, float, float]
+#: What a field of view is.
+ANGLE = "degrees between 0 and 180"
 
 
 def _vector(value: Any, field: str) -> Vector:
-    numbers = np.asarray(value, dtype=float)
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
     if numbers.shape != (3,) or not np.isfinite(numbers).all():
         raise InvalidValue(f"{field}: {value!r} is not three finite numbers", field=field, value=repr(value))
     return (float(numbers[0]), float(numbers[1]), float(numbers[2]))
@@ -33,9 +39,14 @@ class Camera:
     up : three numbers
         Direction that is up in the picture.
     fov : float
-        Vertical field of view, degrees.
+        Vertical field of view, degrees, above 0 and below 180.
     height : float, optional
-        Height of the picture in world lengths: the projection is parallel.
+        Height of the picture in world lengths, above 0: the projection is parallel.
+
+    Raises
+    ------
+    InvalidValue
+        A number that is not finite, or outside its range.
 
     Examples
     --------
@@ -54,6 +65,12 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("position", "target", "up"):
             object.__setattr__(self, name, _vector(getattr(self, name), name))
+        degrees = _checks.number(self.fov, "fov", ANGLE)
+        if not 0 < degrees < 180:
+            raise _checks.refused("fov", self.fov, ANGLE)
+        object.__setattr__(self, "fov", degrees)
+        if self.height is not None:
+            object.__setattr__(self, "height", _checks.positive(self.height, "height"))
 
     def orbit(self, azimuth: float = 0.0, elevation: float = 0.0) -> Camera:
         """The camera turned around its target: to its right, and upwards; degrees."""

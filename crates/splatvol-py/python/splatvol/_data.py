@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _core
+from . import _arrays, _checks, _core
 from ._errors import DataWarning, InvalidValue
 from ._from_others import FromOthers
 
@@ -49,10 +49,7 @@ class Rules:
     max_memory: int | None = None
 
     def __post_init__(self) -> None:
-        limit = self.max_memory
-        if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int) or not 0 <= limit < 1 << 64):
-            message = f"max_memory: expected a whole number of bytes, not {limit!r}: 8 << 30 is 8 GiB"
-            raise InvalidValue(message, field="max_memory", value=repr(limit))
+        object.__setattr__(self, "max_memory", _checks.memory(self.max_memory, "max_memory"))
 
     def _asked(self) -> dict[str, Any]:
         """The rules that somebody asked for."""
@@ -61,6 +58,10 @@ class Rules:
 
 #: The rules where nobody asks for others.
 RULES = Rules()
+
+
+#: Most bins of a histogram.
+MOST_BINS = 1 << 24
 
 
 class Data:
@@ -151,12 +152,13 @@ class Volume(FromOthers, Data):
     ----------
     data : array
         Samples. Arrays in C order with x last, or in Fortran order with x first, are not copied. Do not write to
-        the array while a picture is made; make a new `Volume` after writing.
+        the array while a picture is made, and call :meth:`touch` after writing.
     axes : str
         What the array's axes are, in their order: ``"zyx"``, or ``"xyz"`` as in nibabel. Never guessed.
     spacing, origin : float, sequence or dict, optional
         World length between samples, and the world place of the first one: one number, one for each axis in the
-        order of `axes`, or ``{"x": 0.5}``. By default 1, and the origin lies so that the volume is centred.
+        order of `axes`, or ``{"x": 0.5}``. By default 1, and the origin lies so that the volume is centred. Spacings
+        are above 0.
     affine : array, optional
         4x4, world from index, with columns in the order of `axes`; the volume then lies as it says, z upwards.
     unit : str, optional
@@ -170,6 +172,13 @@ class Volume(FromOthers, Data):
     oriented : bool, optional
         Whether the world's z is up: by default where an affine map is given. Otherwise a volume that stands on a
         heavy base across y is turned, as the command does it with files that do not say how they lie.
+
+    Raises
+    ------
+    TypeError
+        What holds no real numbers.
+    InvalidValue
+        A keyword that does not fit the array, or a number that is not finite.
 
     Examples
     --------
@@ -190,25 +199,28 @@ class Volume(FromOthers, Data):
         unit: str | None = None,
         name: str | None = None,
         copy: bool | None = None,
-        rescale: tuple[float, float] = (1.0, 0.0),
+        rescale: Sequence[float] | npt.NDArray[Any] = (1.0, 0.0),
         oriented: bool | None = None,
     ) -> None:
+        data = _arrays.on_cpu(data)
         array = _arrays.samples_of(data, copy=copy)
         _arrays.check_axes(axes, array.ndim)
         if array.size == 0:
             raise InvalidValue(f"data: an array of shape {array.shape} has no samples", field="data")
         ordered = _arrays.in_order(array, axes)
-        shared = data is not None and isinstance(data, np.ndarray) and np.shares_memory(ordered, data)
+        shared = isinstance(data, np.ndarray) and np.shares_memory(ordered, data)
         if copy is False and not shared:
-            message = f"copy=False: {array.dtype.name} samples with strides {array.strides} have to be copied"
+            aligned = "" if array.flags.aligned else ", not aligned,"
+            message = f"copy=False: {array.dtype.name} samples with strides {array.strides}{aligned} have to be copied"
             raise InvalidValue(message, field="copy", value="False")
         dims = (ordered.shape[2], ordered.shape[1], ordered.shape[0])
         if affine is None and origin is None:
-            steps = _arrays.by_axis(spacing, axes, 1.0, "spacing")
+            steps = _arrays.steps_of(spacing, axes)
             origin = {axis: -0.5 * (n - 1.0) * step for axis, n, step in zip("xyz", dims, steps, strict=True)}
         rows = _arrays.world_from_index(affine, axes, spacing, origin)
         is_oriented = affine is not None if oriented is None else oriented
-        core = _core.Data.volume(ordered, ordered.dtype.name, dims, rows, is_oriented, rescale, unit)
+        linear = _checks.pair(rescale, "rescale", "two finite numbers, (slope, intercept)")
+        core = _core.Data.volume(ordered, ordered.dtype.name, dims, rows, is_oriented, linear, unit)
         super().__init__(core, {"file": f"array:{name or 'volume'}"})
         self._array = ordered
         self._shared = shared
@@ -284,10 +296,19 @@ class Volume(FromOthers, Data):
         )
 
     def touch(self) -> None:
-        """Says that the array was written to: pictures show what it holds now."""
-        again = self.__reduce__() if self.source is None else None
-        if again is None:
+        """Says that the array was written to: pictures show what it holds now.
+
+        Raises
+        ------
+        InvalidValue
+            The samples are a file's, or a copy of the array's: make a new `Volume` of it.
+        """
+        if self.source is not None:
             raise InvalidValue("a file's samples are not written to", field="data")
+        if not self.is_shared:
+            message = "the samples are a copy, which does not change with the array: make a new Volume of it"
+            raise InvalidValue(message, field="data")
+        again = self.__reduce__()
         rebuilt: Volume = _volume_again(*again[1])  # type: ignore[misc]
         self._core, self._known = rebuilt._core, None
 
@@ -297,7 +318,14 @@ class Volume(FromOthers, Data):
         return Path(path)
 
     def histogram(self, bins: int = 256) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-        """Counts of the values in equal bins over their range, and the edges of the bins, as numpy's."""
+        """Counts of the values in equal bins over their range, and the edges of the bins, as numpy's.
+
+        Raises
+        ------
+        InvalidValue
+            `bins` that is no whole number from 1 to 2^24.
+        """
+        bins = _checks.whole(bins, "bins", 1, MOST_BINS, "a whole number from 1 to 2^24")
         low, high = self.range
         return np.asarray(self._core.histogram(bins), dtype=np.int64), np.linspace(low, high, bins + 1)
 
@@ -348,10 +376,18 @@ def _volume_again(
 
 
 class Points(Data):
-    """Points of surfaces: rows of x y z, and where known colours (uint8, 3 or 4), normals, radii.
+    """Points of surfaces: rows of x y z, and where known colours, normals, and radii above 0.
+
+    `rgb` are rows of red, green, blue, and opacity where there are four: whole numbers from 0 to 255, uint16 up to
+    65535 if colours above 255 occur (as in LAS files), or numbers from 0 to 1. Coordinates are kept in 32 bits.
 
     `triangles`, rows of three indices of points, make them the corners of a surface: it becomes discs of the triangles'
     own places, sizes and normals, with colours and normals interpolated between the corners.
+
+    Raises
+    ------
+    InvalidValue
+        Other shapes or lengths, masked rows, colours outside their range.
 
     Examples
     --------
@@ -373,7 +409,7 @@ class Points(Data):
         positions = _rows(xyz, 3, "xyz")
         count = len(positions)
         colors = None if rgb is None else _colors(rgb, count)
-        normals = None if normal is None else _rows(normal, 3, "normal")
+        normals = None if normal is None else _rows(normal, 3, "normal", count)
         radii = None if radius is None else _numbers(radius, count, "radius")
         if triangles is not None:
             if radius is not None:
@@ -393,6 +429,11 @@ class Gaussians(Data):
     """3-D Gaussians: means, standard deviations along their own axes, quaternions w x y z, opacities, and colours.
 
     `colors` are rows of sRGB from 0 to 1, or coefficients of spherical harmonics, count x (degree + 1)^2 x 3, as `sh`.
+
+    Raises
+    ------
+    InvalidValue
+        Other shapes or lengths, masked rows.
     """
 
     #: The harmonic of degree 0.
@@ -414,17 +455,17 @@ class Gaussians(Data):
         if (sh is None) == (colors is None):
             raise InvalidValue("colors: write either colors or sh", field="colors")
         if sh is None:
-            coefficients = (_rows(colors, 3, "colors")[:, None, :] - 0.5) / np.float32(self._CONSTANT)
+            coefficients = (_rows(colors, 3, "colors", count)[:, None, :] - 0.5) / np.float32(self._CONSTANT)
         else:
-            coefficients = np.asarray(sh, dtype=np.float32)
+            coefficients = _arrays.numbers(sh, np.float32, "sh")
         degree = round(coefficients.shape[1] ** 0.5) - 1 if coefficients.ndim == 3 else -1
-        if coefficients.shape != (count, (degree + 1) ** 2, 3):
+        if degree < 0 or coefficients.shape != (count, (degree + 1) ** 2, 3):
             message = f"sh: its shape {coefficients.shape} is not ({count}, (degree + 1)^2, 3)"
             raise InvalidValue(message, field="sh")
-        rotations = np.ascontiguousarray(_rows(quats_wxyz, 4, "quats_wxyz")[:, [1, 2, 3, 0]])
+        rotations = np.ascontiguousarray(_rows(quats_wxyz, 4, "quats_wxyz", count)[:, [1, 2, 3, 0]])
         core = _core.Data.gaussians(
             means,
-            _rows(scales, 3, "scales"),
+            _rows(scales, 3, "scales", count),
             rotations,
             _numbers(opacities, count, "opacities"),
             (degree, np.ascontiguousarray(coefficients)),
@@ -443,23 +484,31 @@ class Mesh(Data):
 
     `cells` are lists of points, `types` VTK's numbers of their kinds: 10 for tetrahedra, 12 for hexahedra. Without
     `types` cells of four points are tetrahedra, and of eight hexahedra.
+
+    Raises
+    ------
+    InvalidValue
+        Indices that are no points', other types than solid cells', or another number of types than of cells.
     """
 
     def __init__(self, points: Any, cells: Any, values: Any, *, types: Any = None, name: str = "values") -> None:
         positions = _rows(points, 3, "points")
-        lists = [np.asarray(cell, dtype=np.uint32) for cell in cells]
+        lists = [_indices(cell, len(positions)) for cell in cells]
         if types is None:
             known = {4: 10, 5: 14, 6: 13, 8: 12}
             unknown = next((len(cell) for cell in lists if len(cell) not in known), None)
             if unknown is not None:
                 raise InvalidValue(f"cells: one has {unknown} points: write types=", field="types")
             types = [known[len(cell)] for cell in lists]
+        codes = [_checks.whole(code, "types", 0, 255, "a type of VTK's cells, as 10 or 12") for code in types]
+        if len(codes) != len(lists):
+            raise InvalidValue(f"types: {len(codes)} types for {len(lists)} cells", field="types")
         offsets = np.cumsum([0, *map(len, lists)], dtype=np.uint32)
         connectivity = np.concatenate(lists) if lists else np.zeros(0, np.uint32)
-        field = np.ascontiguousarray(values, dtype=np.float32).ravel()
+        field = _arrays.numbers(values, np.float32, "values").ravel()
         of_cells = len(field) == len(lists) != len(positions)
         core = _core.Data.mesh(
-            positions, (np.ascontiguousarray(types, dtype=np.uint8), offsets, connectivity), field, name, of_cells
+            positions, (np.asarray(codes, dtype=np.uint8), offsets, connectivity), field, name, of_cells
         )
         super().__init__(core, {"file": f"array:{name}"})
 
@@ -468,15 +517,28 @@ class Mesh(Data):
         return f"<splatvol.Mesh {self.name!r} {known['count']} cells {known['points']} points>"
 
 
-def _rows(values: Any, width: int, field: str) -> npt.NDArray[np.float32]:
-    rows = np.ascontiguousarray(values, dtype=np.float32)
+def _rows(values: Any, width: int, field: str, count: int | None = None) -> npt.NDArray[np.float32]:
+    rows: npt.NDArray[np.float32] = _arrays.numbers(values, np.float32, field)
     if rows.ndim != 2 or rows.shape[1] != width:
         raise InvalidValue(f"{field}: its shape {rows.shape} is not (count, {width})", field=field)
+    if count is not None and len(rows) != count:
+        raise InvalidValue(f"{field}: there are {len(rows)} rows for {count}", field=field)
     return rows
 
 
+def _indices(cell: Any, count: int) -> npt.NDArray[np.uint32]:
+    """Points of a cell."""
+    found = np.asarray(cell)
+    if found.ndim != 1 or found.dtype.kind not in "iu" or found.size == 0:
+        raise _checks.refused("cells", cell, "a list of the cell's points")
+    if found.min() < 0 or found.max() >= count:
+        message = f"cells: {found.min()} to {found.max()} are no indices of {count} points"
+        raise InvalidValue(message, field="cells")
+    return found.astype(np.uint32)
+
+
 def _triangles(values: Any, count: int) -> npt.NDArray[np.uint32]:
-    triangles = np.asarray(values)
+    triangles = np.asarray(_arrays.unmasked(values, "triangles"))
     if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
         message = f"triangles: shape {triangles.shape} and type {triangles.dtype} are not (count, 3) of integers"
         raise InvalidValue(message, field="triangles")
@@ -487,16 +549,35 @@ def _triangles(values: Any, count: int) -> npt.NDArray[np.uint32]:
 
 
 def _numbers(values: Any, count: int, field: str) -> npt.NDArray[np.float32]:
-    numbers = np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float32), (count,)))
-    return numbers
+    """A number for each, or one for all."""
+    numbers = _arrays.numbers(values, np.float32, field)
+    if numbers.shape not in ((), (1,), (count,)):
+        message = f"{field}: its shape {numbers.shape} is not ({count},), or one number for all"
+        raise InvalidValue(message, field=field)
+    return np.ascontiguousarray(np.broadcast_to(numbers, (count,)))
 
 
 def _colors(values: Any, count: int) -> npt.NDArray[np.uint8]:
-    colors = np.asarray(values)
-    if colors.ndim != 2 or colors.shape[1] not in (3, 4):
+    """Red, green, blue, opacity of points, uint8."""
+    colors = np.asarray(_arrays.unmasked(values, "rgb"))
+    if colors.shape not in ((count, 3), (count, 4)):
         raise InvalidValue(f"rgb: its shape {colors.shape} is not ({count}, 3) or ({count}, 4)", field="rgb")
-    if colors.dtype.kind == "f":
-        colors = (np.clip(colors, 0, 1) * 255).round()
-    filled = np.full((len(colors), 4), 255, dtype=np.uint8)
-    filled[:, : colors.shape[1]] = colors
+    if colors.dtype.kind not in "fiu":
+        message = f"rgb: its type {colors.dtype} is neither whole numbers nor numbers from 0 to 1"
+        raise InvalidValue(message, field="rgb", value=str(colors.dtype))
+    filled = np.full((count, 4), 255, dtype=np.uint8)
+    filled[:, : colors.shape[1]] = _codes(colors)
     return filled
+
+
+def _codes(colors: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Colours as numbers from 0 to 255."""
+    if colors.dtype == np.uint16 and colors.size and colors[:, :3].max() > 255:
+        return (colors / 65535 * 255).round()
+    most = 1 if colors.dtype.kind == "f" else 255
+    # Rounding leads a little out of the range.
+    slack = 1e-5 if colors.dtype.kind == "f" else 0
+    if not ((colors >= -slack) & (colors <= most + slack)).all():
+        message = f"rgb: {colors.min()} to {colors.max()} of type {colors.dtype} are not all from 0 to {most}"
+        raise InvalidValue(message, field="rgb", value=str(colors.dtype))
+    return (np.clip(colors, 0, 1) * 255).round() if colors.dtype.kind == "f" else colors

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _checks, _core
 from ._errors import InvalidValue
 
 #: A picture in a notebook's file has at most so many bytes.
@@ -21,7 +21,8 @@ REPR_BYTES = 300_000
 class Frame:
     """A picture: its codes are those of the PNG that the command writes.
 
-    ``np.asarray(frame)`` is an array of uint8, height x width x 4: sRGB, straight alpha, the top row first.
+    ``np.asarray(frame)`` is an array of uint8, height x width x 4: sRGB, straight alpha, the top row first. It is the
+    picture's own, and read-only; ``np.array(frame)`` is a copy to write to.
     """
 
     def __init__(self, core: _core.Frame, document: str, bits: int) -> None:
@@ -44,6 +45,7 @@ class Frame:
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> npt.NDArray[Any]:
         if self._codes is None:
             self._codes = np.frombuffer(self._core.codes(), np.uint8).reshape(self.shape)
+            self._codes.flags.writeable = False
         codes: npt.NDArray[Any] = self._codes
         if dtype is not None and np.dtype(dtype) != codes.dtype:
             if copy is False:
@@ -118,6 +120,8 @@ class Frame:
             raise InvalidValue("path: the name has no extension (.png or .exr)", field="path")
         # A picture that was blended of several has no document.
         record = (self._document, "splatvol for Python") if self._document else None
+        if bits is not None and (isinstance(bits, bool) or bits not in (8, 16)):
+            raise _checks.refused("bits", bits, "8 or 16")
         return self._core.encode(extension, self._bits if bits is None else bits, record)
 
     def _repr_png_(self) -> bytes:

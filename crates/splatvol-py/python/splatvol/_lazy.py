@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
-from ._arrays import Lengths, by_axis
-from ._data import Data
+from . import _checks, _core
+from ._arrays import Lengths, steps_of
+from ._data import TYPES, Data
 from ._errors import DataWarning, InvalidValue
 from ._vocabulary import check, tables
 
@@ -35,6 +35,25 @@ class LazyVolume(Data):
         """Samples along z, y, x of every level, the finest first."""
         known = self._describe()
         return [(z, y, x) for x, y, z in known["levels"] or [known["dims"]]]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Samples along z, y, x of the finest level."""
+        return self.levels[0]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the samples."""
+        return np.dtype(TYPES[self._describe()["dtype"]])
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest finite value, as far as the volume knows them without reading all chunks."""
+        low, high = self._describe()["range"]
+        return (low, high)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
+        raise TypeError("a LazyVolume is not read whole: splatvol.read(...) is, or take the array that it was made of")
 
     def __reduce__(self) -> tuple[object, ...]:
         if self.source is None:
@@ -83,7 +102,7 @@ def lazy(
     FormatError
         A file or bytes that are no such image.
     InvalidValue
-        Arrays that are no levels of a volume.
+        Arrays that are no levels of a volume, or have masked samples; `memory` that is no number of bytes.
 
     Examples
     --------
@@ -99,6 +118,7 @@ def lazy(
     options = {name: value for name, value in asked.items() if value is not None}
     check(options)
     keys = tables(options).get("item", {})
+    memory = _checks.memory(memory, "memory")
     if isinstance(source, (str, os.PathLike)):
         if spacing is not None or name is not None:
             raise InvalidValue("spacing, name: a file says them itself", field="spacing")
@@ -166,11 +186,12 @@ class _Arrays:
             if dtype is None or shape is None or len(shape) != 3 or 0 in shape:
                 what = f"{type(level).__name__} of shape {shape}"
                 raise InvalidValue(f"source: level {number} is no array with axes z, y, x, but {what}", field="source")
+            _unmasked(level)
         if not levels:
             raise InvalidValue("source: no levels", field="source")
         self.levels = levels
         self.chunks = [self._chunk(level) for level in levels]
-        x, y, z = by_axis(spacing, "zyx", 1.0, "spacing")
+        x, y, z = steps_of(spacing, "zyx")
         self.spacing = (z, y, x)
 
     @staticmethod
@@ -232,12 +253,28 @@ class _Arrays:
         if any(start >= side for start, side in zip(starts, level.shape, strict=True)):
             return None
         slices = tuple(slice(start, start + size) for start, size in zip(starts, chunk, strict=True))
-        found = np.asarray(level[slices]).astype(_little(level.dtype), copy=False)
+        found = level[slices]
+        # numpy would take dask's masks off.
+        found = _unmasked(found.compute() if hasattr(found, "compute") else found)
+        found = np.asarray(found).astype(_little(level.dtype), copy=False)
         if found.shape == chunk:
             return found.tobytes()
         padded = np.zeros(chunk, found.dtype)
         padded[tuple(slice(side) for side in found.shape)] = found
         return padded.tobytes()
+
+
+def _unmasked(samples: Any) -> Any:
+    """Samples of which none is masked.
+
+    Raises
+    ------
+    InvalidValue
+    """
+    if isinstance(samples, np.ma.MaskedArray) and np.ma.getmaskarray(samples).any():
+        message = "source: some samples are masked, and volumes that miss some are read whole: splatvol.Volume(array)"
+        raise InvalidValue(message, field="source")
+    return samples
 
 
 def _little(dtype: Any) -> np.dtype[Any]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,19 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
+from . import _checks, _core
 from ._errors import DataWarning, InvalidValue
 from ._vocabulary import plain
 
 #: Points of a colour map that is sampled.
 COLORS = 64
+#: What limits are.
+CLIM = "two finite numbers, (low, high)"
 
 
 def _rgb(color: Any) -> list[float]:
     """SRGB of a colour: three numbers from 0 to 1, ``#rrggbb``, or one of matplotlib's names."""
     if isinstance(color, str):
-        text = color.removeprefix("#")
-        if color.startswith("#") and len(text) in (3, 6):
+        if re.fullmatch("#(?:[0-9a-fA-F]{3}){1,2}", color):
+            text = color[1:]
             step = len(text) // 3
             return [int(text[i : i + step] * (3 - step), 16) / 255 for i in range(0, len(text), step)]
         try:
@@ -35,7 +39,10 @@ def _rgb(color: Any) -> list[float]:
             return [float(c) for c in to_rgb(color)]
         except ValueError as error:
             raise InvalidValue(f"color: {error}", field="color", value=color) from None
-    numbers = [float(c) for c in color]
+    try:
+        numbers = [float(c) for c in color]
+    except (TypeError, ValueError):
+        numbers = []
     if len(numbers) not in (3, 4) or not all(0 <= c <= 1 for c in numbers):
         raise InvalidValue(f"color: {color!r} is not three numbers from 0 to 1", field="color", value=repr(color))
     return numbers[:3]
@@ -52,7 +59,12 @@ class TransferFunction:
     opacities : sequence of (value, opacity)
         Opacity, from 0 to 1, of material that is `unit_distance` thick.
     unit_distance : float, optional
-        World length to which opacities refer; by default a voxel.
+        World length to which opacities refer, above 0; by default a voxel.
+
+    Raises
+    ------
+    InvalidValue
+        No points, a number that is not finite, or one outside its range.
 
     Examples
     --------
@@ -67,8 +79,12 @@ class TransferFunction:
     unit_distance: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "colors", tuple((float(v), tuple(_rgb(c))) for v, c in self.colors))
-        object.__setattr__(self, "opacities", tuple((float(v), float(a)) for v, a in self.opacities))
+        pairs = _pairs(self.colors, "colors", "pairs of a value and a colour")
+        colors = tuple((_checks.number(value, "colors"), tuple(_rgb(color))) for value, color in pairs)
+        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "opacities", _opacities(self.opacities, "opacities"))
+        if self.unit_distance is not None:
+            object.__setattr__(self, "unit_distance", _checks.positive(self.unit_distance, "unit_distance"))
 
     @classmethod
     def from_cmap(
@@ -83,11 +99,18 @@ class TransferFunction:
         """A colour map over a range of values.
 
         `cmap` is a name of splatvol's or of matplotlib's, or one of matplotlib's colour maps. `norm` is one of
-        matplotlib's norms, by which values become places in the map. `opacity` is ``"linear"`` along the map, or
-        points of value and opacity.
+        matplotlib's norms or the name of one, by which values become places in the map; `clim` has the limits that it
+        lacks itself, and one with a centre reaches to the farther of them on either side. `opacity` is ``"linear"``
+        along the map, or points of value and opacity.
+
+        Raises
+        ------
+        InvalidValue
+            A norm that cannot be inverted, such as ``BoundaryNorm``, or has no places for the limits, such as
+            ``LogNorm`` for 0.
         """
         shares = np.linspace(0.0, 1.0, COLORS)
-        values = _values_at(shares, clim, norm)
+        values = _values_at(shares, _checks.pair(clim, "clim", CLIM), norm)
         colors = _map_colors(cmap, shares)
         if isinstance(opacity, str):
             if opacity != "linear":
@@ -95,7 +118,7 @@ class TransferFunction:
                 raise InvalidValue(message, field="opacity", value=opacity)
             opacities: Any = list(zip(values, shares, strict=True))
         else:
-            opacities = opacity
+            opacities = _opacities(opacity, "opacity")
         return cls(list(zip(values, colors, strict=True)), opacities, unit_distance)
 
     @classmethod
@@ -132,10 +155,79 @@ def _values_at(shares: Any, clim: tuple[float, float], norm: Any) -> list[float]
     if norm is None:
         low, high = clim
         return [float(low + (high - low) * share) for share in shares]
-    if getattr(norm, "vmin", None) is None or getattr(norm, "vmax", None) is None:
-        norm = type(norm)(vmin=clim[0], vmax=clim[1])
-    values = np.asarray(norm.inverse(shares), dtype=float)
+    scale = _with_limits(norm_of(norm), clim)
+    what = f"norm: {type(scale).__name__} from {scale.vmin:g} to {scale.vmax:g}"
+    try:
+        values = np.asarray(scale.inverse(shares), dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidValue(f"{what}: {error}", field="norm", value=repr(norm)) from None
+    span = scale.vmax - scale.vmin
+    ends = np.allclose(values[[0, -1]], (scale.vmin, scale.vmax), rtol=1e-6, atol=1e-6 * abs(span))
+    if not ends or not (np.diff(values) >= -1e-6 * span).all():
+        raise InvalidValue(f"{what} does not increase from one to the other", field="norm", value=repr(norm))
     return [float(value) for value in np.maximum.accumulate(values)]
+
+
+def norm_of(norm: Any) -> Any:
+    """One of matplotlib's norms, which may be given by its name.
+
+    Raises
+    ------
+    InvalidValue
+        What is none.
+    """
+    if isinstance(norm, str):
+        try:
+            from matplotlib.cm import ScalarMappable
+
+            of_name: Any = ScalarMappable
+            return of_name(norm=norm).norm
+        except (ImportError, ValueError) as error:
+            raise InvalidValue(f"norm: {norm!r}: {error}", field="norm", value=norm) from None
+    if not callable(getattr(norm, "inverse", None)) or not hasattr(norm, "vmin") or not hasattr(norm, "vmax"):
+        raise _checks.refused("norm", norm, "one of matplotlib's norms, or the name of one")
+    return norm
+
+
+def without_limits(norm: Any, ends: set[str]) -> Any:
+    """A copy of a norm that lacks its limits, or one of them: ``"vmin"`` and ``"vmax"``."""
+    if isinstance(norm, str):
+        return norm
+    scale = copy.deepcopy(norm)
+    if hasattr(scale, "halfrange"):
+        scale.halfrange = None
+    for end in ends:
+        setattr(scale, end, None)
+    return scale
+
+
+def _with_limits(norm: Any, clim: tuple[float, float]) -> Any:
+    """A copy of a norm, with limits where it has none."""
+    scale = copy.deepcopy(norm)
+    if hasattr(scale, "halfrange"):
+        # Both of its limits are as far from its centre.
+        scale.autoscale_None(np.asarray(clim))
+    for end, value in zip(("vmin", "vmax"), clim, strict=True):
+        if getattr(scale, end) is None:
+            setattr(scale, end, value)
+    return scale
+
+
+def _pairs(points: Any, field: str, expected: str) -> list[tuple[Any, Any]]:
+    """Points of a curve, one at least."""
+    try:
+        pairs = [(value, what) for value, what in points]
+    except (TypeError, ValueError):
+        pairs = []
+    if not pairs:
+        raise _checks.refused(field, points, expected)
+    return pairs
+
+
+def _opacities(points: Any, field: str) -> tuple[tuple[float, float], ...]:
+    """Points of value and opacity."""
+    pairs = _pairs(points, field, "pairs of a value and an opacity from 0 to 1")
+    return tuple((_checks.number(value, field), _checks.share(opacity, field)) for value, opacity in pairs)
 
 
 def _map_colors(cmap: Any, shares: Any) -> list[list[float]]:
@@ -145,6 +237,9 @@ def _map_colors(cmap: Any, shares: Any) -> list[list[float]]:
         if own is not None:
             return own
         cmap = matplotlib_cmap(cmap)
+    if not callable(cmap):
+        expected = "a colour map: a name, or one of matplotlib's, as LinearSegmentedColormap.from_list(name, colors)"
+        raise _checks.refused("cmap", cmap, expected)
     return [[float(c) for c in cmap(float(share))[:3]] for share in shares]
 
 

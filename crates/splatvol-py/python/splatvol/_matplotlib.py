@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 
-from ._look import TransferFunction
+from ._look import TransferFunction, norm_of
+from ._options import LOOK
 from ._scene import Scene
 from ._vocabulary import Keys
 
@@ -38,7 +39,8 @@ class SceneArtist(Artist, ScalarMappable):
         self._item = index
         self._function = function
         own = None if index is None else scene.items[index]._norm
-        norm = options.get("norm") or own or _norm_of(function)
+        said = options.get("norm") or own
+        norm = _norm_of(function) if said is None else norm_of(said)
         ScalarMappable.__init__(self, norm=norm, cmap=_cmap_of(function, norm))
         self._chosen = self._look()
         self.set_zorder(0)
@@ -110,7 +112,7 @@ class SceneArtist(Artist, ScalarMappable):
         if self._look() == self._chosen or self._item is None or self._function is None:
             return self.scene, overrides
         scene = self.scene.copy()
-        for name in ("cmap", "norm", "clim", "vmin", "vmax", "opacity", "tf"):
+        for name in LOOK.keys() - {"iso"}:
             overrides.pop(name, None)
         low, high = self._range(self._function)
         points, unit = self._function.opacities, self._function.unit_distance
@@ -152,8 +154,7 @@ def _cmap_of(function: TransferFunction | None, norm: Normalize) -> Colormap | N
         return None
     places = np.array([value for value, _ in function.colors])
     colors = np.array([color for _, color in function.colors])
-    if norm.vmin is None or norm.vmax is None:
-        norm.vmin, norm.vmax = places.min(), places.max()
+    norm.autoscale_None(places)
     values = np.asarray(norm.inverse(np.linspace(0.0, 1.0, SHADES)), dtype=float)
     shades = np.stack([np.interp(values, places, channel) for channel in colors.T], axis=1)
     return ListedColormap(shades, name="splatvol")

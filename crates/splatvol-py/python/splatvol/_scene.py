@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from . import _core, _foreign
+from . import _checks, _core, _foreign
 from ._animation import animate, volume_at
 from ._camera import Camera
 from ._data import RULES, Data, Progress, Rules, Volume, read_item
@@ -20,7 +20,7 @@ from ._errors import DataWarning, InvalidValue, SplatvolError
 from ._frame import Frame, _replace
 from ._lazy import LazyVolume
 from ._look import Clip, TransferFunction
-from ._options import OWN, READING, document_of, item_keys
+from ._options import LOOK, OWN, READING, document_of, item_keys, over_look
 from ._series import Series
 from ._vocabulary import Keys, keywords, tables
 
@@ -31,28 +31,47 @@ if TYPE_CHECKING:
     from ._render_options import RenderOptions
     from ._widget import Widget
 
-#: Keywords that choose colours by value.
-COLORS = {"cmap", "clim", "norm", "tf", "vmin", "vmax"}
 #: Colours of kinds that have none of their own: matplotlib's first ten.
 TEN = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf"]
 
+#: Keywords of a look that its keys hold as they were said.
+PLAIN = ("tf", "cmap", "clim", "opacity", "iso", "unit_distance")
 _BACKGROUND = ThreadPoolExecutor(1, thread_name_prefix="splatvol-submit")
 
 
 class Item:
     """A thing in a scene: data, and how they look and where they lie."""
 
-    def __init__(self, data: Data | None, keys: Keys) -> None:
+    def __init__(self, data: Data | None, keys: Keys, look: Keys | None = None) -> None:
         #: The data; `None` where the document names a file that is read when it is rendered.
         self.data = data
         self.keys = keys
-        #: matplotlib's norm by which the colours were chosen, for a colour bar; the document has the colours alone.
-        self._norm: Any = None
+        #: Keywords of the look, and the transfer function that was made by them.
+        self._said = look or {}
+        self._made = keys.get("transfer-function") if look else None
 
     @property
     def name(self) -> str:
         """Name of the data."""
         return os.path.basename(str(self.keys["file"]).removeprefix("array:"))
+
+    @property
+    def _function(self) -> Keys | None:
+        """The transfer function that keywords made, unless the document has another one by now."""
+        function: Keys | None = self.keys.get("transfer-function")
+        return function if self._made is not None and function == self._made else None
+
+    @property
+    def _look(self) -> Keys:
+        """Keywords of the look; a transfer function that came with a document was chosen, and is none of them."""
+        if self._function is not None:
+            return self._said
+        return {name: self.keys[LOOK[name]] for name in PLAIN if LOOK[name] in self.keys}
+
+    @property
+    def _norm(self) -> Any:
+        """The norm by which the colours were chosen, for a colour bar; the document has the colours alone."""
+        return self._look.get("norm")
 
     def _held(self, frame: int = 0, frames: int = 1) -> _core.Data | None:
         """The data in memory, of a series those of the time that a frame shows."""
@@ -61,20 +80,40 @@ class Item:
         return self.data._core if self.data is not None else None
 
     def set(self, **look: Any) -> Item:
-        """Changes the look or the place; `None` leaves a keyword to be chosen from the data again."""
-        keys, rest = item_keys(look, self.data)
+        """Changes the look or the place; `None` leaves a keyword to be chosen from the data again.
+
+        What was said of a look holds until it is said anew: other limits leave the colour map and a norm's kind as they
+        are. A colour map takes the place of a transfer function, and the other way round.
+
+        Raises
+        ------
+        InvalidValue
+            A keyword that contradicts the look that stays, as `clim` beside a :class:`TransferFunction`.
+        """
+        said = self._look
+        is_changed = bool(LOOK.keys() & look.keys())
+        whole = over_look(said, look) if is_changed else {}
+        options = {name: value for name, value in look.items() if name not in LOOK}
+        keys, rest = item_keys({**options, **whole}, self.data, is_exact="iso" in said and self._function is not None)
         if rest:
             raise InvalidValue(f"{sorted(look)}: of these some are the scene's, not an item's", field="item")
-        for name, value in look.items():
+        if is_changed:
+            self.keys = _without_look(self.keys)
+        for name, value in options.items():
             if value is None and name in keywords():
                 self.keys.pop(keywords()[name][1], None)
         self.keys.update(keys)
-        if COLORS & set(look):
-            self._norm = look.get("norm")
+        if is_changed:
+            self._said, self._made = whole, keys.get("transfer-function")
         return self
 
     def __repr__(self) -> str:
         return f"<splatvol.Item {self.name!r}>"
+
+
+def _without_look(keys: Keys) -> Keys:
+    """Keys of an item without those of its look."""
+    return {key: value for key, value in keys.items() if key not in LOOK.values()}
 
 
 class Scene:
@@ -144,6 +183,7 @@ class Scene:
         self,
         ids: Any,
         *,
+        axes: str | None = None,
         colors: Mapping[int, Any] | None = None,
         opacity: float | Mapping[int, float] = 1.0,
         **place: Any,
@@ -154,12 +194,19 @@ class Scene:
         ----------
         ids
             As for :meth:`add`. Where it is an array, it lies as the scene's first volume of the same shape.
+        axes : str, optional
+            What an array's axes are, in their order: ``"zyx"`` by default, ``"xyz"`` as in nibabel.
         colors : dict, optional
             Colours of ids; the others have one of ten in turn. 0 is nothing.
         opacity : float or dict
             Opacity of one voxel of a kind, for all ids or by id.
+
+        Raises
+        ------
+        InvalidValue
+            `ids` that are no volume, or `axes` of what is no array.
         """
-        data = _foreign.data_of(ids) if not isinstance(ids, np.ndarray) else self._aligned(ids)
+        data = self._ids_of(ids, axes)
         if not isinstance(data, Volume):
             raise InvalidValue(f"ids: a segmentation is a volume, not {data.kind}", field="ids")
         names = [int(name) for name in np.unique(np.asarray(data)) if name != 0]
@@ -173,23 +220,28 @@ class Scene:
         )
         return self._add(data, {"labels": True, "tf": tf, **place})
 
-    def _aligned(self, ids: np.ndarray[Any, Any]) -> Volume:
-        """A volume of ids that lies as the first volume of its shape."""
+    def _ids_of(self, ids: Any, axes: str | None) -> Data:
+        """A segmentation's data; of an array those that lie as the first volume of its shape."""
+        if not isinstance(ids, np.ndarray):
+            if axes is not None:
+                raise InvalidValue(f"axes: names the axes of arrays, and ids are {type(ids).__name__}", field="axes")
+            return _foreign.data_of(ids)
+        made = Volume(ids, axes=axes or "zyx")
         for item in self.items:
-            if isinstance(item.data, Volume) and item.data.shape == ids.shape:
+            if isinstance(item.data, Volume) and item.data.shape == made.shape:
                 like = item.data
                 oriented = bool(like._describe()["is_oriented"])
-                return Volume(ids, affine=like.affine[:, [2, 1, 0, 3]], unit=like.unit or None, oriented=oriented)
-        return Volume(ids)
+                affine, unit = like.affine[:, [2, 1, 0, 3]], like.unit or None
+                return Volume(np.asarray(made), affine=affine, unit=unit, oriented=oriented)
+        return made
 
     def _add(self, thing: Any, options: Mapping[str, Any]) -> Item:
         reading = {name: value for name, value in options.items() if name in READING}
         options = {name: value for name, value in options.items() if name not in READING}
         data = self._data_of(thing, reading, whole=bool(options.get("labels")))
-        keys, rest = item_keys(options, data)
+        keys, rest = item_keys(options, data, is_exact=self._is_exact)
         self._merge(rest)
-        item = Item(data, {**data._keys, **keys})
-        item._norm = options.get("norm")
+        item = Item(data, {**data._keys, **keys}, over_look({}, options))
         self.items.append(item)
         return item
 
@@ -200,6 +252,11 @@ class Scene:
             return _foreign.data_of(thing, reading)
         keys = {"file": os.fspath(thing), **tables(reading).get("item", {})}
         return read_item(keys, in_chunks=LazyVolume)
+
+    @property
+    def _is_exact(self) -> bool:
+        """Whether surfaces lie at their exact places."""
+        return bool(self._document.get("effects", {}).get("iso-exact"))
 
     def _merge(self, keys: Keys) -> None:
         for table, values in keys.items():
@@ -214,8 +271,16 @@ class Scene:
         if not overrides:
             return below
         single = self.items[0] if len(self.items) == 1 else None
-        above = document_of(overrides, single.data if single else None)
+        functions = [item._function for item in self.items]
+        is_changed = single is not None and bool(LOOK.keys() & overrides.keys())
+        if single is not None and is_changed:
+            rest = {name: value for name, value in overrides.items() if name not in LOOK}
+            overrides = {**rest, **over_look(single._look, overrides)}
+            below["item"] = [_without_look(single.keys)]
+        above = document_of(overrides, single.data if single else None, is_exact=self._is_exact)
         item = above.pop("item", {})
+        if is_changed:
+            functions = [item.get("transfer-function")]
         if item and single is None:
             raise InvalidValue(
                 f"{sorted(overrides)}: looks are the items' in a scene of several: scene.items[0].set(...)",
@@ -225,6 +290,10 @@ class Scene:
             above["item"] = [{"file": single.keys["file"], **item}]
         text = _core.document_over(json.dumps({"version": 2, **above}), json.dumps(below))
         merged: Keys = json.loads(text)
+        for keys, function in zip(merged.get("item", []), functions, strict=True):
+            # Another kind of picture has another look that is chosen, but not of what was said.
+            if function is not None:
+                keys["transfer-function"] = function
         return merged
 
     def to_toml(self) -> str:
@@ -237,9 +306,11 @@ class Scene:
         Raises
         ------
         InvalidValue
-            Where a thing is an array: its file has to be written first.
+            Where a thing is an array: its file has to be written first. Another ending of the name.
         """
         path = Path(path)
+        if path.suffix not in (".toml", ".json"):
+            raise InvalidValue(f"path: {str(path)!r} does not end in .toml or .json", field="path", value=str(path))
         arrays = [item.name for item in self.items if str(item.keys["file"]).startswith("array:")]
         if arrays:
             raise InvalidValue(f"{arrays[0]} is an array, and scenes name files: write it to one first", field="item")
@@ -285,7 +356,7 @@ class Scene:
         ----------
         progress : callable or bool, optional
             Called with the finished share from 0 to 1, some twenty times a second; returns ``False`` to stop.
-            ``True`` prints the share.
+            ``True`` prints the share, ``False`` is silent.
         cancel : CancelToken, optional
             Stops the render from another thread: its method ``set``.
         executor : concurrent.futures.Executor, optional
@@ -419,7 +490,7 @@ class Scene:
         other._document = json.loads(json.dumps(self._document))
         for item in self.items:
             again = Item(item.data, dict(item.keys))
-            again._norm = item._norm
+            again._said, again._made = item._said, item._made
             other.items.append(again)
         return other
 
@@ -451,16 +522,20 @@ class Scene:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _scene_again, (self._document, [(item.data, item.keys) for item in self.items])
+        # Norms and colour maps may hold functions, which are not pickled: the transfer function that they made is.
+        items = [(item.data, item.keys, item._function is not None) for item in self.items]
+        return _scene_again, (self._document, items)
 
     def __repr__(self) -> str:
         return f"<splatvol.Scene of {', '.join(item.name for item in self.items) or 'nothing'}>"
 
 
-def _scene_again(document: Keys, items: list[tuple[Data | None, Keys]]) -> Scene:
+def _scene_again(document: Keys, items: list[tuple[Data | None, Keys, bool]]) -> Scene:
     scene = Scene()
     scene._document = document
-    scene.items = [Item(data, keys) for data, keys in items]
+    for data, keys, is_made in items:
+        look = {"tf": TransferFunction._of_document(keys["transfer-function"])} if is_made else None
+        scene.items.append(Item(data, keys, look))
     return scene
 
 
@@ -489,7 +564,11 @@ def _progress(progress: Progress | bool | None) -> Progress | None:
             sys.stderr.flush()
 
         return show
-    return progress if callable(progress) else None
+    if progress is None or progress is False:
+        return None
+    if not callable(progress):
+        raise _checks.refused("progress", progress, "a function of the finished share, True or False")
+    return progress
 
 
 __all__ = ["Clip", "Item", "Scene"]

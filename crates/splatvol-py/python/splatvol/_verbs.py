@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from dataclasses import dataclass, replace
@@ -10,12 +11,15 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from . import _core, _foreign
-from ._data import Data, Progress, Rules, read_item
+from . import _checks, _core, _foreign
+from ._data import Progress, Rules, read_item
 from ._errors import InvalidValue
 from ._frame import Frame
 from ._scene import Scene, scene_of
 from ._vocabulary import check, tables
+
+#: More threads than any machine has.
+MOST_THREADS = 1 << 16
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -32,7 +36,7 @@ def read(
     max_memory: int | None = None,
     progress: Progress | None = None,
     **options: Unpack[ReadOptions],
-) -> Data:
+) -> Any:
     """Reads data: a file, a folder, ``"sample:NAME"``, or an object of another package.
 
     Parameters
@@ -51,6 +55,7 @@ def read(
     Returns
     -------
     Volume, Mesh, Points or Gaussians
+        Which one, the file decides; to type checkers it is any.
 
     Examples
     --------
@@ -79,7 +84,7 @@ def render(
     executor: Executor | None = None,
     **options: Unpack[RenderOptions],
 ) -> Frame:
-    """Renders data, as the command ``splatvol render`` does: the same bytes.
+    """Renders data, as the command ``splatvol render`` does: the same pixels.
 
     Parameters
     ----------
@@ -219,11 +224,36 @@ def only_item(picture: str | os.PathLike[str], items: list[dict[str, Any]], fiel
 
 
 def load(path: str | os.PathLike[str]) -> Scene:
-    """The scene of a scene's file, TOML or JSON."""
+    """The scene of a scene's file, TOML or JSON.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    InvalidValue
+        A file that is no scene.
+    FormatError
+        A scene with keys or values that do not exist.
+    """
+    if not os.path.exists(path):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
     text = _core.read_document(os.fspath(path))
     if text is None:
         raise InvalidValue(f"{os.fspath(path)} is no scene: splatvol.read reads data", field="path")
     return scene_of(json.loads(text))
+
+
+def set_threads(count: int | None) -> None:
+    """Sets how many threads of this process render: one for each processor where it is `None`. No byte changes.
+
+    Raises
+    ------
+    InvalidValue
+        What is no whole number above 0.
+    """
+    if count is not None:
+        count = _checks.whole(count, "threads", 1, MOST_THREADS, "a whole number above 0, or None")
+    _core.set_threads(count)
 
 
 def samples() -> dict[str, str]:

@@ -105,6 +105,11 @@ def checked(name: str, value: Any) -> Any:
     return value
 
 
+def is_allowed(name: str, text: str) -> bool:
+    """Whether the document takes a text as the value of a keyword."""
+    return _core.refusal(*keywords()[name], json.dumps(text)) is None
+
+
 def plain(value: Any) -> Any:
     """A value as JSON has it: arrays become lists, numpy's numbers become Python's, paths become text."""
     if hasattr(value, "tolist"):

@@ -17,6 +17,7 @@ from ._data import Volume
 from ._errors import InvalidValue
 from ._frame import Frame, shown
 from ._look import COLORS, Clip
+from ._options import LOOK
 from ._progressive import Progressive, Shot, is_fixed, size_of
 from ._scene import Scene
 from ._verbs import colormaps
@@ -25,8 +26,6 @@ from ._vocabulary import Keys
 #: Size where the scene says none: a notebook's column has room for it.
 SIZE = (640, 480)
 BINS = 128
-#: Keys of an item that a transfer function takes the place of.
-LOOK = ("cmap", "clim", "opacity", "tf", "unit-distance")
 #: What the menu calls kinds of pictures; the first leaves it to the data's kind.
 COMPOSITING = {"": "Volume", "mip": "MIP", "minip": "MinIP", "mean": "Mean", "xray": "X-ray"}
 
@@ -357,7 +356,7 @@ class Widget(anywidget.AnyWidget):
 
     def _set_look(self, index: int, look: Keys) -> None:
         keys = self._scene.items[index].keys
-        for key in LOOK:
+        for key in set(LOOK.values()) - {"iso"}:
             keys.pop(key, None)
         keys["transfer-function"] = look
         self._by_hand.add(index)

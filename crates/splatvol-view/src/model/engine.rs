@@ -25,6 +25,7 @@ use splatvol_document::{Document, DocumentError, Listener, Picture, ReadRules, R
 use super::draft::{self, Pace};
 use super::mailbox::{Mailbox, Work};
 use super::store::{Facts, Store};
+use super::trouble;
 
 /// A final picture that is expected to take no longer than this needs no draft before it, seconds.
 const AT_ONCE: f64 = 0.06;
@@ -266,7 +267,7 @@ impl Worker {
     fn fail(&self, number: Option<u64>, error: &DocumentError) {
         self.reporter.tell(News::Failed {
             number,
-            message: error.to_string(),
+            message: trouble::of_window(error),
         });
     }
 

@@ -47,6 +47,7 @@ pub fn begun(steepest: f64) -> Vec<GradientOpacityPoint> {
 pub fn magnitudes(gradients: &Gradients) -> Values {
     let rows = gradients.counts.chunks_exact(SIZE[0]);
     Values {
+        is_grid: false,
         range: [0.0, gradients.steepest],
         histogram: rows
             .map(|row| row.iter().map(|&count| u64::from(count)).sum())

@@ -9,6 +9,7 @@
 //! | [`looks`] | two looks, to compare |
 //! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
 //! | `saving` | pictures written in the background |
+//! | `trouble` | what is said of errors |
 //! | [`probe`] | what a ray meets |
 //! | [`shown_volume`] | the selected item as it is shown, if it is a volume |
 //! | [`slice`](mod@slice) | its samples in a plane of voxels |
@@ -32,6 +33,7 @@ pub mod session;
 pub mod shown_volume;
 pub mod slice;
 mod store;
+mod trouble;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -76,6 +78,8 @@ pub struct Message {
     pub text: String,
     /// Whether something failed.
     pub is_error: bool,
+    /// Whether that was the picture: a later one takes the message away.
+    is_of_picture: bool,
 }
 
 /// What the answer to a request becomes.
@@ -116,11 +120,15 @@ pub struct Model {
     touched: Option<Instant>,
     size: Option<ImageSize>,
     shown: Option<Shown>,
+    /// Number of the last view of the session before this one.
+    views_before: u64,
     /// Number of pictures shown so far.
     pictures: u64,
     progress: Option<f64>,
     message: Option<Message>,
     writing: Option<(Arc<AtomicBool>, f64)>,
+    /// Why nothing was written last.
+    refused: Option<String>,
 }
 
 impl Model {
@@ -149,10 +157,12 @@ impl Model {
             touched: None,
             size: None,
             shown: None,
+            views_before: 0,
             pictures: 0,
             progress: None,
             message: None,
             writing: None,
+            refused: None,
         };
         if !start.files.is_empty() {
             model.open(&start.files);
@@ -393,7 +403,18 @@ impl Model {
         self.message = Some(Message {
             text: text.into(),
             is_error,
+            is_of_picture: false,
         });
+    }
+
+    /// Why what was to be written last was not.
+    pub fn refused(&self) -> Option<&str> {
+        self.refused.as_deref()
+    }
+
+    fn refuse(&mut self, text: String) {
+        self.say(text.clone(), true);
+        self.refused = Some(text);
     }
 
     /// Writes the picture of the document in the background, at its own size or the view's.
@@ -401,8 +422,9 @@ impl Model {
         let Some(view_size) = self.size.filter(|_| !self.session.items().is_empty()) else {
             return;
         };
+        self.refused = None;
         if self.writing.is_some() {
-            self.say("a picture is being written already", true);
+            self.refuse("a picture is being written already".to_owned());
             return;
         }
         let document = Document {
@@ -418,11 +440,15 @@ impl Model {
             command: self.command.clone(),
             rules: self.rules,
         };
+        if let Err(error) = saving.check() {
+            self.refuse(error);
+            return;
+        }
         let stop = Arc::new(AtomicBool::new(false));
         let control = (Arc::clone(&stop), self.reporter.clone());
         match saving::start(saving, Arc::clone(self.engine.store()), control) {
             Ok(()) => self.writing = Some((stop, 0.0)),
-            Err(error) => self.say(error.to_string(), true),
+            Err(error) => self.refuse(error.to_string()),
         }
     }
 
@@ -433,12 +459,21 @@ impl Model {
         }
     }
 
-    /// Takes news, and sends the view if it changed. `pane` is the room for the picture, pixels. Returns when to call
-    /// again without input.
+    /// Takes news, and sends the view if it changed. See [`Self::send`].
     pub fn tick(&mut self, pane: [u32; 2]) -> Option<Duration> {
+        self.listen();
+        self.send(pane)
+    }
+
+    /// Takes news: the window may have other panels from now on.
+    pub fn listen(&mut self) {
         while let Ok(news) = self.news.try_recv() {
             self.hear(news);
         }
+    }
+
+    /// Sends the view if it changed. `pane` is the room for the picture, pixels. Returns when to call again without input.
+    pub fn send(&mut self, pane: [u32; 2]) -> Option<Duration> {
         let size = opening::view_size(self.document().size, pane);
         let Ok(size) = ImageSize::new(size[0], size[1]) else {
             return None;
@@ -498,6 +533,7 @@ impl Model {
                         self.looks = Looks::default();
                         self.earlier = record.map(|record| *record);
                         self.sent = None;
+                        self.views_before = self.views;
                     }
                     Becomes::Step => self.edit(Edit::Replace(document)),
                 }
@@ -508,13 +544,22 @@ impl Model {
             News::Failed { number, message } => {
                 match number {
                     Some(number) => drop(self.asked.take_if(|(asked, ..)| *asked == number)),
-                    None => self.progress = None,
+                    None => {
+                        self.progress = None;
+                        // A picture of other data would seem to be one of these.
+                        self.shown.take_if(|shown| shown.number <= self.views_before);
+                    }
                 }
-                self.say(message, true);
+                self.message = Some(Message {
+                    text: message,
+                    is_error: true,
+                    is_of_picture: number.is_none(),
+                });
             }
             News::Shown(shown) => {
                 if shown.draft_step.is_none() {
                     self.progress = None;
+                    self.message.take_if(|message| message.is_of_picture);
                 }
                 self.shown = Some(*shown);
                 self.pictures += 1;
@@ -526,10 +571,14 @@ impl Model {
                 }
             }
             News::Written(result) => {
-                self.writing = None;
+                let stopped = self
+                    .writing
+                    .take()
+                    .is_some_and(|(stop, _)| stop.load(Ordering::Relaxed));
                 match result {
                     Ok(text) => self.say(text, false),
-                    Err(text) => self.say(text, true),
+                    Err(_) if stopped => self.say("stopped: nothing was written", false),
+                    Err(text) => self.refuse(text),
                 }
             }
         }

@@ -14,6 +14,7 @@ use splatvol_io::{ImageFormat, encode_image};
 
 use super::engine::{News, Reporter, Warnings, lock, render, resolve};
 use super::store::Store;
+use super::trouble;
 
 /// A picture that is to be written.
 #[derive(Debug, Clone)]
@@ -45,9 +46,37 @@ pub(super) fn start(
             let progress = |share| reporter.tell(News::Writing(share));
             let written = save(&saving, &store, (&stop, &progress));
             let written = written.map(|()| format!("wrote {}", saving.path.display()));
-            reporter.tell(News::Written(written));
+            reporter.tell(News::Written(written.map_err(trouble::of_saving)));
         })
         .map(drop)
+}
+
+impl Saving {
+    /// Refuses paths to which nothing can be written, before anything is rendered.
+    ///
+    /// # Errors
+    /// Names of no format, files that exist already, folders that do not.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let path = &self.path;
+        let is_scene = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        if ImageFormat::from_path(path).is_none() && !is_scene {
+            return Err(format!(
+                "{}: no picture format has this extension (.png and .exr), and .toml is a scene's",
+                path.display()
+            ));
+        }
+        if path.exists() && !self.overwrite {
+            return Err(format!("{} already exists", path.display()));
+        }
+        match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+                Err(format!("{}: there is no such folder", folder.display()))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Renders and writes.
@@ -57,20 +86,7 @@ fn save(
     (stop, progress): (&AtomicBool, &(dyn Fn(f64) + Sync)),
 ) -> Result<(), String> {
     let path = &saving.path;
-    let format = ImageFormat::from_path(path);
-    let is_scene = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    if format.is_none() && !is_scene {
-        return Err(format!(
-            "{}: no picture format has this extension (.png and .exr), and .toml is a scene's",
-            path.display()
-        ));
-    }
-    if path.exists() && !saving.overwrite {
-        return Err(format!("{} already exists", path.display()));
-    }
-    let Some(format) = format else {
+    let Some(format) = ImageFormat::from_path(path) else {
         return save_scene(saving);
     };
     let of = (&saving.document, saving.size);

@@ -1,6 +1,6 @@
 //! Data of items in memory, by the keys by which they are read: a change of look or place reads nothing again.
 
-use splatvol::{Grid, Volume};
+use splatvol::{Grid, Mesh, Volume};
 use splatvol_document::held::HeldContent;
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::{Document, DocumentError, Held, Reading};
@@ -14,7 +14,7 @@ pub struct Facts {
     /// What they are, for a person: `256 x 256 x 109 u8`; of a volume that is read in chunks also its overview's size, of which
     /// the values here are.
     pub summary: String,
-    /// Range and histogram of the values, if they are a volume.
+    /// Range and histogram of the values, if they are a volume or a mesh.
     pub values: Option<Values>,
     /// What the file has to choose from.
     pub choices: Choices,
@@ -33,9 +33,11 @@ pub struct Choices {
     pub series: Vec<String>,
 }
 
-/// The values of a volume.
+/// The values of a volume or a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
+    /// Whether they are those of a grid, of which there are gradients.
+    pub is_grid: bool,
     /// Smallest and largest value.
     pub range: [f64; 2],
     /// Counts of equal bins over the range.
@@ -130,7 +132,10 @@ pub(super) fn reading_keys(item: &ItemKeys) -> ItemKeys {
 fn facts(held: &Held) -> Facts {
     let (summary, values) = match held.content() {
         HeldContent::Volume(volume) => (of_volume(volume), Some(values(volume))),
-        HeldContent::Mesh(mesh) => (format!("mesh of {} samples", mesh.positions().len()), None),
+        HeldContent::Mesh(mesh) => {
+            let summary = format!("mesh of {} samples", mesh.positions().len());
+            (summary, Some(values_of_mesh(mesh)))
+        }
         HeldContent::Points(points) => (format!("{} points", points.positions().len()), None),
         HeldContent::Gaussians(gaussians) => (format!("{} Gaussians", gaussians.len()), None),
     };
@@ -162,9 +167,20 @@ fn of_volume(volume: &Volume) -> String {
 
 fn values(volume: &Volume) -> Values {
     Values {
+        is_grid: true,
         range: volume.value_range(),
         histogram: volume.histogram(BINS),
         spacing: volume.finest_grid().mean_spacing(),
         unit: volume.unit().symbol(),
+    }
+}
+
+fn values_of_mesh(mesh: &Mesh) -> Values {
+    Values {
+        is_grid: false,
+        range: mesh.value_range().map(f64::from),
+        histogram: mesh.histogram(BINS),
+        spacing: mesh.mean_spacing(),
+        unit: "",
     }
 }

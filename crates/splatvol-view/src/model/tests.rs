@@ -1,6 +1,7 @@
 //! The model without a window: edits and their undoing, drafts and final pictures, saved bytes.
 
 mod chunks;
+mod faults;
 
 use std::ffi::OsString;
 use std::fs;

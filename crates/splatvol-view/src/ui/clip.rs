@@ -123,7 +123,7 @@ fn planes(ui: &mut Ui, effects: &mut EffectKeys, (bounds, model): (&Bounds, &Mod
     if let Some(index) = removed {
         planes.remove(index);
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("Add a plane across");
         let view = model
             .shown()

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Align2, Context, DragValue, Grid, Key, RichText, ScrollArea, TextEdit, Ui, Window};
+use eframe::egui::{Align2, Context, DragValue, Grid, Key, RichText, ScrollArea, TextEdit, Ui, Vec2, Window};
 use splatvol::ImageSize;
 use splatvol_document::keys::{ItemKeys, PictureSize};
 
 use super::bindings::{CURVE_GESTURES, GESTURES, KEYS, names};
 use super::scene::short_name;
+use super::{rooms, style};
 use crate::model::Model;
 
 /// What is open.
@@ -21,17 +22,25 @@ enum Open {
         adds: bool,
     },
     /// A picture to save.
-    Picture {
-        path: String,
-        size: [u32; 2],
-        overwrite: bool,
-    },
+    Picture(PictureForm),
     Help,
+}
+
+/// What is said of a picture to save.
+#[derive(Debug, Clone)]
+struct PictureForm {
+    path: String,
+    size: [u32; 2],
+    overwrite: bool,
+    /// Why it could not be saved.
+    error: Option<String>,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct Dialogs {
     open: Open,
+    /// What is being saved: it is shown again if that fails.
+    saving: Option<PictureForm>,
     /// Whether the text field gets the keys next.
     focuses: bool,
 }
@@ -70,11 +79,12 @@ impl Dialogs {
             .size
             .map_or(shown.view_size, |PictureSize(size)| size);
         self.focuses = true;
-        self.open = Open::Picture {
+        self.open = Open::Picture(PictureForm {
             path: format!("{stem}.png"),
             size: [size.width(), size.height()],
             overwrite: false,
-        };
+            error: None,
+        });
     }
 
     pub(super) fn help(&mut self) {
@@ -85,22 +95,39 @@ impl Dialogs {
         self.open = Open::Nothing;
     }
 
+    /// Shows again what was typed for a picture that could not be saved, unless something else is open by now.
+    fn return_failed(&mut self, model: &mut Model) {
+        let Some(asked) = self.saving.take_if(|_| model.writing().is_none()) else {
+            return;
+        };
+        let error = model.refused().map(str::to_owned);
+        if error.is_some() && matches!(self.open, Open::Nothing) {
+            model.dismiss();
+            self.open = Open::Picture(PictureForm { error, ..asked });
+        }
+    }
+
     pub(super) fn show(&mut self, context: &Context, model: &mut Model) {
+        self.return_failed(model);
         let focuses = std::mem::take(&mut self.focuses);
         let stays = match &mut self.open {
             Open::Nothing => true,
             Open::File { path, adds } => {
                 let title = if *adds { "Add a file" } else { "Open a file" };
-                dialog(context, title, |ui| file(ui, (path, *adds, focuses), model))
+                dialog(context, (title, FORM), |ui| {
+                    form(ui, |ui| file(ui, (path, *adds, focuses), model))
+                })
             }
-            Open::Picture {
-                path,
-                size,
-                overwrite,
-            } => dialog(context, "Save a picture or the scene", |ui| {
-                picture(ui, (path, focuses), (size, overwrite), model)
-            }),
-            Open::Help => dialog(context, "Keys and gestures", help),
+            Open::Picture(asked) => {
+                let stays = dialog(context, ("Save a picture or the scene", FORM), |ui| {
+                    form(ui, |ui| picture(ui, (asked, focuses), model))
+                });
+                if model.writing().is_some() && !stays {
+                    self.saving = Some(asked.clone());
+                }
+                stays
+            }
+            Open::Help => dialog(context, ("Keys and gestures", HELP), help),
         };
         if !stays {
             self.close();
@@ -108,16 +135,29 @@ impl Dialogs {
     }
 }
 
-/// A window in the middle; returns whether it stays open.
-fn dialog(context: &Context, title: &str, add: impl FnOnce(&mut Ui) -> bool) -> bool {
+/// Most sizes of the contents of forms, and of the table of keys, points.
+const FORM: Vec2 = Vec2::new(460.0, 520.0);
+const HELP: Vec2 = Vec2::new(900.0, 560.0);
+
+/// A window in the middle, as large as there is room for; returns whether it stays open.
+fn dialog(context: &Context, (title, size): (&str, Vec2), add: impl FnOnce(&mut Ui) -> bool) -> bool {
     let mut open = true;
+    let size = size.min(rooms::of_dialog(context));
     let shown = Window::new(title)
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .open(&mut open)
-        .show(context, add);
+        .show(context, |ui| {
+            ui.set_max_size(size);
+            add(ui)
+        });
     open && shown.and_then(|shown| shown.inner).unwrap_or(true)
+}
+
+/// Fields and buttons, which scroll where they have no room.
+fn form(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> bool) -> bool {
+    ScrollArea::both().show(ui, add).inner
 }
 
 /// A path; returns whether Enter was pressed in it.
@@ -153,20 +193,16 @@ fn file(ui: &mut Ui, (path, adds, focuses): (&mut String, bool, bool), model: &m
     stays
 }
 
-fn picture(
-    ui: &mut Ui,
-    (path, focuses): (&mut String, bool),
-    (size, overwrite): (&mut [u32; 2], &mut bool),
-    model: &mut Model,
-) -> bool {
-    let entered = path_field(ui, "Picture, .png or .exr; or scene, .toml", path, focuses);
-    ui.horizontal(|ui| {
-        for (side, name) in size.iter_mut().zip(["Width", "Height"]) {
+fn picture(ui: &mut Ui, (asked, focuses): (&mut PictureForm, bool), model: &mut Model) -> bool {
+    let label = "Picture, .png or .exr; or scene, .toml";
+    let entered = path_field(ui, label, &mut asked.path, focuses);
+    ui.horizontal_wrapped(|ui| {
+        for (side, name) in asked.size.iter_mut().zip(["Width", "Height"]) {
             let label = ui.label(name);
             ui.add(DragValue::new(side).range(1..=16_384))
                 .labelled_by(label.id);
         }
-        ui.checkbox(overwrite, "Replace an existing file");
+        ui.checkbox(&mut asked.overwrite, "Replace an existing file");
     });
     ui.label(
         RichText::new(
@@ -175,15 +211,15 @@ fn picture(
         )
         .weak(),
     );
+    if let Some(error) = &asked.error {
+        ui.label(RichText::new(format!("Error: {error}")).color(style::WARNING));
+    }
     let mut stays = true;
     ui.horizontal(|ui| {
         let go = ui.button("Save").clicked();
-        if (go || entered) && !path.trim().is_empty() {
-            match ImageSize::new(size[0], size[1]) {
-                Ok(size) => model.save(PathBuf::from(path.trim()), Some(size), *overwrite),
-                Err(error) => model.say(error.to_string(), true),
-            }
-            stays = false;
+        if (go || entered) && !asked.path.trim().is_empty() {
+            asked.error = save(asked, model).err();
+            stays = asked.error.is_some();
         }
         if ui.button("Cancel").clicked() {
             stays = false;
@@ -192,8 +228,23 @@ fn picture(
     stays
 }
 
+/// Begins to save a picture, or says why not: in the dialog, not in the status line.
+fn save(asked: &PictureForm, model: &mut Model) -> Result<(), String> {
+    let [width, height] = asked.size;
+    let size = ImageSize::new(width, height).map_err(|error| error.to_string())?;
+    model.save(PathBuf::from(asked.path.trim()), Some(size), asked.overwrite);
+    match model.refused().map(str::to_owned) {
+        Some(error) => {
+            model.dismiss();
+            Err(error)
+        }
+        None => Ok(()),
+    }
+}
+
 fn help(ui: &mut Ui) -> bool {
-    ScrollArea::vertical().max_height(520.0).show(ui, |ui| {
+    let most = ui.available_height() - ui.spacing().interact_size.y - 2.0 * ui.spacing().item_spacing.y;
+    ScrollArea::both().max_height(most).show(ui, |ui| {
         let section = |ui: &mut Ui, title: &str, lines: Vec<(String, &str)>| {
             ui.heading(title);
             Grid::new(title).num_columns(2).striped(true).show(ui, |ui| {

@@ -3,7 +3,7 @@
 use eframe::egui::{Align2, Color32, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 
 use super::picture::{PicturePanel, plated, round_length};
-use super::status::number;
+use super::status::{aligned, number};
 use super::style;
 use crate::model::{Model, curve};
 
@@ -47,11 +47,12 @@ pub(super) fn show(ui: &Ui, (model, selected): (&Model, usize), picture: &Pictur
         painter.rect_filled(line.intersect(bar), 0.0, Color32::from_rgb(red, green, blue));
     }
     painter.rect_stroke(bar, 0.0, Stroke::new(1.0, style::TEXT), StrokeKind::Outside);
-    for value in ticks([low, high]) {
+    let step = step([low, high]);
+    for value in ticks([low, high], step) {
         let share = ((high - value) / (high - low)) as f32;
         let at = bar.left_top() + Vec2::new(-4.0, share * height);
         painter.line_segment([at, at + Vec2::new(4.0, 0.0)], Stroke::new(1.0, style::TEXT));
-        let text = number(value);
+        let text = aligned(value, step);
         let label = (Align2::RIGHT_CENTER, text.as_str(), style::TEXT);
         plated(ui, rect, at - Vec2::new(4.0, 0.0), label);
     }
@@ -60,9 +61,13 @@ pub(super) fn show(ui: &Ui, (model, selected): (&Model, usize), picture: &Pictur
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &about));
 }
 
+/// The round distance of labels over a range.
+fn step([low, high]: [f64; 2]) -> f64 {
+    round_length((high - low) / INTERVALS)
+}
+
 /// Round values in a range.
-fn ticks([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
-    let step = round_length((high - low) / INTERVALS);
+fn ticks([low, high]: [f64; 2], step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     (first..=last).map(move |index| index as f64 * step)
@@ -79,7 +84,7 @@ mod tests {
             ([-1.0, 1.0], vec![-1.0, -0.5, 0.0, 0.5, 1.0]),
             ([1003.0, 1007.0], vec![1003.0, 1004.0, 1005.0, 1006.0, 1007.0]),
         ] {
-            assert_eq!(ticks(range).collect::<Vec<_>>(), expected);
+            assert_eq!(ticks(range, step(range)).collect::<Vec<_>>(), expected);
         }
     }
 }

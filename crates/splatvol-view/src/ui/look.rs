@@ -40,12 +40,12 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
     if item.labels == Some(true) {
         let shown = ShownVolume::of(model, selected);
         labels::show(ui, (&function, shown), (&mut state.labels, &mut changed));
-    } else if values.is_some() && regions::choice(ui, model, (selected, &item), &mut state.regions) {
+    } else if has_gradients(&values) && regions::choice(ui, model, (selected, &item), &mut state.regions) {
         regions::show(ui, model, (selected, &item, values.as_ref()), &mut state.regions);
         return;
     } else {
         of_values(ui, (&function, values.as_ref()), (&mut state.curve, &mut changed));
-        if values.is_some() {
+        if has_gradients(&values) {
             CollapsingHeader::new("Opacity by gradient")
                 .id_salt("fading")
                 .show(ui, |ui| {
@@ -69,7 +69,9 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
             }
             model.change(document);
         }
-        surface(ui, model, (selected, values.as_ref()));
+        if item.labels != Some(true) {
+            surface(ui, model, (selected, values.as_ref()));
+        }
     });
     match changed {
         Some(Ok(function)) if function != item.transfer_function.clone().unwrap_or(function.clone()) => {
@@ -78,6 +80,11 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
         Some(Err(error)) => model.say(SceneError::to_string(&error), true),
         _ => {}
     }
+}
+
+/// Whether gradients of values are known: those of volumes.
+fn has_gradients(values: &Option<Values>) -> bool {
+    values.as_ref().is_some_and(|values| values.is_grid)
 }
 
 /// The function of values: names, the curve, its range and its points.

@@ -1,9 +1,10 @@
 //! The menu: everything that keys do, for the pointer and for screen readers.
 
-use eframe::egui::{Button, MenuBar, Ui};
+use eframe::egui::{Button, MenuBar, ScrollArea, Ui};
 use splatvol_document::keys::names::ViewName;
 
 use super::bindings::{Action, key_of};
+use super::rooms;
 use crate::model::Model;
 
 const VIEWS: [(&str, Action); 10] = [
@@ -22,18 +23,21 @@ const VIEWS: [(&str, Action); 10] = [
 /// Sizes of text, shares of the usual.
 const TEXT_SIZES: [f32; 5] = [1.0, 1.25, 1.5, 1.75, 2.0];
 
+/// Width of the buttons beside the menus, points.
+const SHORTCUTS: f32 = 310.0;
+
 /// Shows the menu; returns what was chosen.
 pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
     let mut chosen = None;
     let has_items = !model.session().items().is_empty();
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| {
+        menu(ui, "File", |ui| {
             entry(ui, ("Open ...", Action::Open), (true, &mut chosen));
             entry(ui, ("Save picture ...", Action::Save), (has_items, &mut chosen));
             ui.separator();
             entry(ui, ("Quit", Action::Quit), (true, &mut chosen));
         });
-        ui.menu_button("Edit", |ui| {
+        menu(ui, "Edit", |ui| {
             let session = model.session();
             entry(ui, ("Undo", Action::Undo), (session.can_undo(), &mut chosen));
             entry(ui, ("Redo", Action::Redo), (session.can_redo(), &mut chosen));
@@ -44,7 +48,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
                 (has_items, &mut chosen),
             );
         });
-        ui.menu_button("View", |ui| {
+        menu(ui, "View", |ui| {
             for view in VIEWS {
                 entry(ui, view, (has_items, &mut chosen));
             }
@@ -63,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
             );
             entry(ui, ("Colour bar", Action::Legend), (has_items, &mut chosen));
             entry(ui, ("Panels", Action::Panels), (has_items, &mut chosen));
-            ui.menu_button("Text size", |ui| {
+            menu(ui, "Text size", |ui| {
                 for size in TEXT_SIZES {
                     let is_set = (ui.ctx().zoom_factor() - size).abs() < 0.01;
                     if ui.radio(is_set, format!("{:.0} %", 100.0 * size)).clicked() {
@@ -72,9 +76,13 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
                 }
             });
         });
-        ui.menu_button("Help", |ui| {
+        menu(ui, "Help", |ui| {
             entry(ui, ("Keys and gestures", Action::Help), (true, &mut chosen));
         });
+        // The menus have the same.
+        if ui.available_width() < SHORTCUTS {
+            return;
+        }
         ui.separator();
         let session = model.session();
         for (name, action, enabled) in [
@@ -90,6 +98,14 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
         }
     });
     chosen
+}
+
+/// A menu, which scrolls where it is higher than the window.
+fn menu(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    ui.menu_button(name, |ui| {
+        let most = rooms::of_menu(ui.ctx());
+        ScrollArea::vertical().max_height(most).show(ui, add);
+    });
 }
 
 fn entry(ui: &mut Ui, (name, action): (&str, Action), (enabled, chosen): (bool, &mut Option<Action>)) {

@@ -19,6 +19,7 @@ mod method;
 mod picture;
 mod profile;
 mod regions;
+mod rooms;
 mod scene;
 mod slices;
 mod status;
@@ -27,7 +28,7 @@ mod timeline;
 
 use std::sync::Arc;
 
-use eframe::egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, Ui};
+use eframe::egui::{CentralPanel, Context, Frame, Margin, Panel, Popup, ScrollArea, Ui};
 use splatvol::glam::DVec2;
 use splatvol_document::keys::CameraKeys;
 
@@ -40,7 +41,9 @@ use look::LookState;
 use measure::Measure;
 use picture::PicturePanel;
 use profile::Pins;
+use rooms::Panels;
 use slices::Slices;
+use status::StatusLine;
 use timeline::Timeline;
 
 /// The viewer in a window.
@@ -55,6 +58,7 @@ pub struct Viewer {
     flight: Flight,
     measure: Measure,
     timeline: Timeline,
+    status: StatusLine,
     /// Number of the item whose look is edited.
     selected: usize,
     hides_panels: bool,
@@ -81,6 +85,7 @@ impl Viewer {
             flight: Flight::default(),
             measure: Measure::default(),
             timeline: Timeline::default(),
+            status: StatusLine::default(),
             selected: 0,
             hides_panels: false,
             hides_legend: false,
@@ -94,12 +99,17 @@ impl Viewer {
 
     /// Shows everything once.
     pub fn show(&mut self, ui: &mut Ui) {
+        // News first: they decide which panels there are, and so how large the picture is.
+        self.model.listen();
         let items = self.model.session().items().len();
         self.selected = self.selected.min(items.saturating_sub(1));
-        if !ui.ctx().text_edit_focused() {
-            self.flight.show(ui, &mut self.model);
+        // Open menus and lists have the keys; Escape, which they hear, too, closes them.
+        if !Popup::is_any_open(ui.ctx()) {
+            if !ui.ctx().text_edit_focused() {
+                self.flight.show(ui, &mut self.model);
+            }
+            self.keys(ui);
         }
-        self.keys(ui);
         self.drops(ui);
         Panel::top("menu").show(ui, |ui| {
             if let Some(action) = menu::show(ui, &self.model) {
@@ -107,11 +117,9 @@ impl Viewer {
             }
         });
         Panel::bottom("status").show(ui, |ui| {
-            status::show(
-                ui,
-                &mut self.model,
-                (self.picture.hovered.as_ref(), self.flight.flies()),
-            );
+            let hovered = self.picture.hovered.as_ref();
+            self.status
+                .show(ui, &mut self.model, (hovered, self.flight.flies()));
         });
         if !self.hides_panels && items > 0 {
             self.panels(ui);
@@ -136,31 +144,45 @@ impl Viewer {
         }
     }
 
+    /// Panels at both sides, or one where they would take more than half of the window. Their width does not depend on what is in them.
     fn panels(&mut self, ui: &mut Ui) {
         let margin = Frame::side_top_panel(ui.style()).inner_margin(Margin::same(8));
-        Panel::left("scene")
-            .default_size(230.0)
-            .size_range(180.0..=420.0)
-            .frame(margin)
-            .show(ui, |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    if scene::show(ui, &mut self.model, &mut self.selected) {
-                        self.dialogs.open_file(true);
-                    }
-                    self.timeline.show(ui, &mut self.model);
+        let width = ui.available_width();
+        match Panels::of(width) {
+            Panels::Two { scene: most } => {
+                let (usual, [least, most]) = rooms::scene(most);
+                let panel = Panel::left("scene").default_size(usual);
+                let panel = panel.size_range(least..=most).frame(margin);
+                let shown = panel.show(ui, |ui| scrolled(ui, |ui| self.scene_panel(ui)));
+                let (usual, [least, most]) = rooms::look(width, shown.response.rect.width());
+                let panel = Panel::right("look").default_size(usual);
+                let panel = panel.size_range(least..=most).frame(margin);
+                panel.show(ui, |ui| scrolled(ui, |ui| self.look_panel(ui)));
+            }
+            Panels::One { width } => {
+                let panel = Panel::right("panels").exact_size(width).frame(margin);
+                panel.show(ui, |ui| {
+                    scrolled(ui, |ui| {
+                        self.scene_panel(ui);
+                        ui.separator();
+                        self.look_panel(ui);
+                    });
                 });
-            });
-        Panel::right("look")
-            .default_size(330.0)
-            .size_range(300.0..=520.0)
-            .frame(margin)
-            .show(ui, |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    look::show(ui, &mut self.model, (self.selected, &mut self.look));
-                    method::show(ui, &mut self.model);
-                    clip::show(ui, &mut self.model, &mut self.handles);
-                });
-            });
+            }
+        }
+    }
+
+    fn scene_panel(&mut self, ui: &mut Ui) {
+        if scene::show(ui, &mut self.model, &mut self.selected) {
+            self.dialogs.open_file(true);
+        }
+        self.timeline.show(ui, &mut self.model);
+    }
+
+    fn look_panel(&mut self, ui: &mut Ui) {
+        look::show(ui, &mut self.model, (self.selected, &mut self.look));
+        method::show(ui, &mut self.model);
+        clip::show(ui, &mut self.model, &mut self.handles);
     }
 
     /// Obeys keys. Those without Ctrl go to what has the focus, if that is not the picture; while text is typed, all do.
@@ -253,6 +275,11 @@ impl Viewer {
             several => self.model.open(several),
         }
     }
+}
+
+/// What has no room is reached by scrolling, both ways.
+fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ScrollArea::both().auto_shrink(false).show(ui, add);
 }
 
 impl eframe::App for Viewer {

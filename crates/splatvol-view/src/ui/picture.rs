@@ -41,7 +41,7 @@ impl PicturePanel {
         let pane = ui.available_size();
         let scale = ui.pixels_per_point();
         let pixels = [pane.x, pane.y].map(|side| ((side * scale).floor() as u32).max(1));
-        if let Some(after) = model.tick(pixels) {
+        if let Some(after) = model.send(pixels) {
             ui.request_repaint_after(after);
         }
         let (outer, response) = ui.allocate_exact_size(pane, Sense::click_and_drag());
@@ -50,6 +50,7 @@ impl PicturePanel {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &about));
         self.upload(ui.ctx(), model);
         let Some(shown) = model.shown() else {
+            self.hovered = None;
             empty(ui, outer, model);
             return;
         };
@@ -136,10 +137,11 @@ impl PicturePanel {
     }
 
     fn probe(&mut self, ui: &Ui, model: &Model, response: &Response) {
-        let pointer = response
-            .hover_pos()
-            .filter(|_| !ui.input(|input| input.pointer.any_down()));
-        let (Some(at), Some(shown)) = (pointer, model.shown()) else {
+        if ui.input(|input| input.pointer.any_down()) {
+            return;
+        }
+        let (Some(at), Some(shown)) = (response.hover_pos(), model.shown()) else {
+            (self.hovered, self.probed) = (None, None);
             return;
         };
         if self.probed == Some((at, self.number)) {
@@ -199,7 +201,12 @@ fn drag(model: &mut Model, (response, modifiers): (&Response, Modifiers), way: D
 /// A sentence about the picture, for screen readers.
 fn describe(model: &Model) -> String {
     let Some(shown) = model.shown() else {
-        return "Picture: nothing is open".to_owned();
+        let error = model.message().filter(|message| message.is_error);
+        return match (model.session().items().is_empty(), error) {
+            (_, Some(error)) => format!("Picture: none, {}", error.text),
+            (true, None) => "Picture: nothing is open".to_owned(),
+            (false, None) => "Picture: not there yet".to_owned(),
+        };
     };
     let names: Vec<&str> = model
         .document()
@@ -223,24 +230,25 @@ fn describe(model: &Model) -> String {
 fn empty(ui: &Ui, rect: Rect, model: &Model) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, style::BACKDROP);
-    let text = match model.asked_since() {
-        Some(_) => "Reading ...",
-        None => "Drop a file here, or press Ctrl+O",
+    let error = model.message().filter(|message| message.is_error);
+    let has_items = !model.session().items().is_empty();
+    let (text, points, color) = match (model.asked_since(), error) {
+        (Some(_), _) => ("Reading ...", 20.0, style::TEXT),
+        (None, Some(error)) => (error.text.as_str(), 16.0, style::WARNING),
+        (None, None) if has_items => ("Drawing ...", 20.0, style::TEXT),
+        (None, None) => ("Drop a file here, or press Ctrl+O", 20.0, style::TEXT),
     };
-    painter.text(
-        rect.center(),
-        Align2::CENTER_CENTER,
-        text,
-        FontId::proportional(20.0),
-        style::TEXT,
-    );
+    let width = (rect.width() - 40.0).max(60.0);
+    let galley = painter.layout(text.to_owned(), FontId::proportional(points), color, width);
+    let at = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    painter.galley(at.min, galley, color);
 }
 
-/// Symbol of the unit of lengths: that of the first volume.
+/// Symbol of the unit of lengths: that of the first volume that has one.
 pub(super) fn unit(model: &Model) -> &'static str {
     let items = model.document().items.iter();
     let units = items.filter_map(|item| model.facts(item)?.values.as_ref().map(|values| values.unit));
-    units.into_iter().next().unwrap_or("")
+    units.into_iter().find(|unit| !unit.is_empty()).unwrap_or("")
 }
 
 /// The world's axes in the lower left corner.
@@ -296,17 +304,31 @@ fn scale_bar(ui: &Ui, outer: Rect, (camera, rect): (&Camera, Rect), unit: &str) 
     for (stroke, color) in [(5.0, Color32::from_black_alpha(190)), (2.0, style::TEXT)] {
         painter.line_segment([left, right], Stroke::new(stroke, color));
     }
-    let at = match camera.projection() {
-        Projection::Orthographic { .. } => "",
-        Projection::Perspective { .. } => " at the pivot",
-    };
-    let text = format!("{length} {unit}{at}");
+    let text = length_text(length, unit, camera.projection());
     plated(
         ui,
         outer,
         right + Vec2::new(0.0, -6.0),
-        (Align2::RIGHT_BOTTOM, text.trim(), style::TEXT),
+        (Align2::RIGHT_BOTTOM, &text, style::TEXT),
     );
+}
+
+/// What stands at a scale bar.
+fn length_text(length: f64, unit: &str, projection: Projection) -> String {
+    let mut text = length.to_string();
+    for word in [unit, at_the_pivot(projection)] {
+        if !word.is_empty() {
+            text = format!("{text} {word}");
+        }
+    }
+    text
+}
+
+fn at_the_pivot(projection: Projection) -> &'static str {
+    match projection {
+        Projection::Orthographic { .. } => "",
+        Projection::Perspective { .. } => "at the pivot",
+    }
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a length.
@@ -321,6 +343,15 @@ pub(super) fn round_length(length: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bars_say_their_length_with_single_spaces() {
+        let perspective = Projection::Perspective { fov_degrees: 30.0 };
+        assert_eq!(length_text(50.0, "", perspective), "50 at the pivot");
+        assert_eq!(length_text(50.0, "mm", perspective), "50 mm at the pivot");
+        let parallel = Projection::Orthographic { height: 1.0 };
+        assert_eq!(length_text(0.2, "", parallel), "0.2");
+    }
 
     #[test]
     fn bars_have_round_lengths() {

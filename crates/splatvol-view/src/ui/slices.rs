@@ -1,15 +1,15 @@
 //! Three slices of the selected volume, and a cross where they meet.
 
 use eframe::egui::{
-    Checkbox, Color32, ColorImage, Context, LayerId, Pos2, Rect, Role, Sense, Slider, Stroke, TextureHandle,
-    TextureOptions, Ui, Vec2, WidgetInfo, Window,
+    Checkbox, Color32, ColorImage, Context, LayerId, Pos2, Rect, Role, ScrollArea, Sense, Slider, Stroke,
+    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, Window,
 };
 use splatvol::glam::DVec3;
 use splatvol_document::keys::ItemKeys;
 
 use super::picture::PicturePanel;
 use super::status::number;
-use super::style;
+use super::{rooms, style};
 use crate::model::Model;
 use crate::model::probe::Probe;
 use crate::model::shown_volume::ShownVolume;
@@ -101,11 +101,14 @@ impl Slices {
             .open(&mut open)
             .resizable(false)
             .default_pos([250.0, 60.0])
-            .show(context, |ui| match field {
-                Some(field) => self.inside(ui, field),
-                None => {
-                    ui.label("The selected item is no volume that is shown.");
-                }
+            .show(context, |ui| {
+                ui.set_max_size(rooms::of_dialog(context));
+                ScrollArea::both().show(ui, |ui| match field {
+                    Some(field) => self.inside(ui, field),
+                    None => {
+                        ui.label("The selected item is no volume that is shown.");
+                    }
+                });
             });
         self.open = open;
     }

@@ -9,6 +9,9 @@ use egui_kittest::kittest::Queryable;
 use super::*;
 
 mod fading;
+mod faults;
+mod layout;
+
 type Window<'a> = Harness<'a, Option<Viewer>>;
 
 fn start(files: &[&str]) -> Start {
@@ -278,9 +281,7 @@ fn a_point_of_the_curve_is_dragged_and_removed() {
 fn the_status_line_names_the_look() {
     let mut window = window(&["sample:head:16"]);
     for look in ["Look B", "Look A"] {
-        window.key_press(Key::B);
-        window.step();
-        window.step();
+        press(&mut window, Key::B);
         window.get_by_label(look);
     }
 }
@@ -384,9 +385,7 @@ fn views_become_key_frames_and_the_preview_goes_between_them() {
 #[test]
 fn the_help_shows_all_keys_and_text_grows() {
     let mut window = window(&["sample:head:16"]);
-    window.key_press(Key::F1);
-    window.step();
-    window.step();
+    press(&mut window, Key::F1);
     window.get_by_label("undo a step");
     window.key_press(Key::Escape);
     window.step();

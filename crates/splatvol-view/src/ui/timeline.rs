@@ -127,6 +127,15 @@ fn plan(keys: &AnimationKeys, camera: &Camera) -> Planned {
 /// The key frames, and the views that become some.
 fn key_frames(ui: &mut Ui, model: &mut Model, (keys, camera): (&mut AnimationKeys, &Camera)) {
     let mut frames = keys.keys.clone().unwrap_or_default();
+    // Above the list, where it stays.
+    if ui.button("Add this view").clicked() {
+        frames.push(CameraFrame {
+            // All have times, or none: a second later.
+            time: frames.last().and_then(|last| last.time).map(|time| time + 1.0),
+            ..camera.into()
+        });
+        keys.turntable = None;
+    }
     let mut removed = None;
     for (index, frame) in frames.iter_mut().enumerate() {
         let number = index + 1;
@@ -151,14 +160,6 @@ fn key_frames(ui: &mut Ui, model: &mut Model, (keys, camera): (&mut AnimationKey
     }
     if let Some(index) = removed {
         frames.remove(index);
-    }
-    if ui.button("Add this view").clicked() {
-        frames.push(CameraFrame {
-            // All have times, or none: a second later.
-            time: frames.last().and_then(|last| last.time).map(|time| time + 1.0),
-            ..camera.into()
-        });
-        keys.turntable = None;
     }
     keys.keys = (!frames.is_empty()).then_some(frames);
 }

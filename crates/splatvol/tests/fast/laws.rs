@@ -2,7 +2,10 @@
 //! spacings thick.
 
 use glam::{DMat3, DVec3, EulerRot};
-use splatvol::{Camera, Filter, FlatSettings, Grid, RenderSettings, Scene};
+use splatvol::{
+    Camera, ColorPoint, Filter, FlatSettings, Grid, LengthUnit, OpacityPoint, RenderSettings, Rescale,
+    Samples, Scene, TransferFunction, Volume,
+};
 use splatvol_testing::fields::{Ball, Constant, Ramp};
 use splatvol_testing::transfer::{band_extinction, constant_extinction, linear_extinction};
 use splatvol_testing::{Field, Random, checked, sample};
@@ -189,6 +192,32 @@ fn balls_from_thin_to_opaque() {
             assert!(error < limit, "tau {optical_depth} {name}: off by {error:.2e}");
         }
     }
+}
+
+/// Values of any size have the same pictures, if they differ by a power of two.
+#[test]
+fn values_beyond_single_precision_look_like_others() {
+    let side = 24;
+    let mut random = Random::new(3);
+    let values: Vec<f64> = (0..side * side * side).map(|_| random.unit()).collect();
+    let grid = Grid::centred([side; 3], DVec3::ONE).unwrap();
+    let mut pictures = [0, 500, -500].map(|power| {
+        let scale = 2.0f64.powi(power);
+        let samples = Samples::F64(values.iter().map(|value| value * scale).collect());
+        let volume = Volume::new(grid.clone(), samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let opacities =
+            [(0.4, 0.0), (0.6, 0.5)].map(|(value, alpha)| OpacityPoint::new(value * scale, alpha));
+        let colors = [(0.2, [1.0, 0.5, 0.0]), (0.9, [0.0, 0.5, 1.0])]
+            .map(|(value, color)| ColorPoint::new(value * scale, color));
+        let look = TransferFunction::new(colors.to_vec(), opacities.to_vec(), None).unwrap();
+        let camera = orthographic(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 32.0);
+        render(&Scene::new(volume, look), &camera, &fast(96, 96))
+    });
+    let seen = pictures[0].image.pixels.iter().filter(|pixel| pixel[3] > 0.1);
+    assert!(seen.count() > 1000);
+    let [expected, large, small] = &mut pictures;
+    assert!(large.image == expected.image, "2^500");
+    assert!(small.image == expected.image, "2^-500");
 }
 
 #[test]

@@ -140,6 +140,34 @@ fn threads_tiles_and_instructions_do_not_change_a_bit() {
     }
 }
 
+/// Clips that leave all of a pixel's material change no bit of it.
+#[test]
+fn clips_change_no_bit_where_they_cut_nothing() {
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    let settings = RenderSettings {
+        lighting: Some(splatvol::Lighting::default()),
+        ..unlit(160)
+    };
+    for scene in [generated(Sample::Head), generated(Sample::Shells)] {
+        let camera = framing(&scene, splatvol::Projection::default());
+        let bounds = scene.bounds().unwrap();
+        let larger = Bounds {
+            min: bounds.min - DVec3::splat(60.0),
+            max: bounds.max + DVec3::splat(60.0),
+        };
+        let beside = Bounds {
+            min: bounds.max + DVec3::splat(60.0),
+            max: bounds.max + DVec3::splat(70.0),
+        };
+        let plain = renderer.render(&scene, &camera, &settings).unwrap();
+        let whole = scene
+            .clone()
+            .with_clip(Clip::of_box(&larger, Keep::Inside).unwrap())
+            .with_clip(Clip::of_box(&beside, Keep::Outside).unwrap());
+        assert!(renderer.render(&whole, &camera, &settings).unwrap() == plain);
+    }
+}
+
 #[test]
 fn a_flat_bump_map_and_a_mirror_without_share_change_no_bit() {
     let size = ImageSize::new(8, 4).unwrap();

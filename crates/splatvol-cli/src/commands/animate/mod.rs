@@ -16,6 +16,7 @@ use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
 use crate::args::AnimateArgs;
 use crate::commands::asked::{Asked, Delivery, Prepared};
+use crate::commands::nothing;
 use crate::commands::outputs::encode_with_bits;
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
@@ -145,6 +146,7 @@ impl Job<'_> {
                 let begun = Instant::now();
                 let picture = self.expose(&mut studio, frame)?;
                 times.0.push(Some(begun.elapsed().as_secs_f64()));
+                self.look_at(picture, frame);
                 let Prepared { picture: made, .. } = self.prepared;
                 let format = (names.format, made.bits());
                 let bytes = encode_with_bits(picture, format, made.background(), &self.metadata(&record)?)?;
@@ -164,6 +166,7 @@ impl Job<'_> {
             let begun = Instant::now();
             let picture = self.expose(&mut studio, frame)?;
             times.0.push(Some(begun.elapsed().as_secs_f64()));
+            self.look_at(picture, frame);
             movie.write(picture)?;
             bar.advance();
         }
@@ -180,6 +183,13 @@ impl Job<'_> {
             studio.expose(&[self.plan.camera(frame)?])
         } else {
             studio.expose(&sub_frames)
+        }
+    }
+
+    /// Warns where the first frame shows nothing.
+    fn look_at(&self, picture: &Frame, frame: u32) {
+        if frame == 0 {
+            nothing::warn(nothing::is_empty(picture), &self.prepared.picture, self.terminal);
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use splatvol_document::input;
 use splatvol_io::{Opened, PyramidOptions, open_volume, write_pyramid};
 
+use super::{labels, volumes_only};
 use crate::args::{ConvertArgs, of_input};
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
@@ -17,7 +18,18 @@ pub(super) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure
     }
     let mut options = args.pyramid.options(args.write.overwrite);
     let volume = open(args, &mut options, terminal)?;
-    options.labels |= volume.description.is_labels;
+    options.labels = match args.pyramid.labels {
+        Some(labels) => labels,
+        None if volume.description.is_labels => true,
+        None => {
+            let seen = labels::are_in(&volume);
+            if seen {
+                terminal
+                    .note("label map: levels have the label of most samples; --labels=false averages them");
+            }
+            seen
+        }
+    };
     let bar = terminal.progress(format!("Writing {}", args.output.display()));
     let written = write_pyramid(&volume, &args.output, &options, &|share| bar.set(share));
     drop(bar);
@@ -40,6 +52,7 @@ pub(super) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure
 fn open(args: &ConvertArgs, options: &mut PyramidOptions, terminal: &Terminal) -> Result<Opened, Failure> {
     let item = of_input(&args.read, &args.input);
     let mut rules = args.read.rules();
+    volumes_only(&item, terminal.reads(rules), "convert")?;
     if !args.input.starts_with("sample:") {
         let mut read = input::options(&item, rules)?;
         // Beside the output there is room for what is not compressed.

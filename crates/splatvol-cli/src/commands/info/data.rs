@@ -7,6 +7,7 @@ use serde::Serialize;
 use splatvol::{Bounds, Gaussians, Mesh, Points, Topology};
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::keys::ItemKeys;
+use splatvol_document::upright::Up;
 use splatvol_document::{ReadRules, Reading, Silent, items, meaning};
 use splatvol_io::{Data, DataKind, LoadedData, read_data};
 
@@ -24,6 +25,9 @@ struct Report {
     format: String,
     stored_type: String,
     orientation: String,
+    /// Of points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    up: Option<Up>,
     files: Vec<std::path::PathBuf>,
     count: usize,
     min: [f64; 3],
@@ -163,6 +167,12 @@ impl Rows {
 impl Report {
     fn new(name: &str, loaded: LoadedData) -> Self {
         let viewpoint = loaded.viewpoint.map(|place| place.to_array());
+        let up = match &loaded.data {
+            Data::Points(points) if loaded.kind == DataKind::Points => {
+                Some(Up::of_points(points, &loaded.description))
+            }
+            _ => None,
+        };
         let (count, bounds, details) = match &loaded.data {
             Data::Points(points) => (points.len(), points.bounds(), of_points(points, viewpoint)),
             Data::Gaussians(gaussians) => (
@@ -192,6 +202,7 @@ impl Report {
             format: loaded.description.format,
             stored_type: loaded.description.stored_type,
             orientation: loaded.description.orientation,
+            up,
             files: loaded.description.files,
             count,
             min: min.to_array(),
@@ -211,6 +222,9 @@ impl Report {
         rows.add("format", &self.format);
         rows.add("stored type", &self.stored_type);
         rows.add("orientation", &self.orientation);
+        if let Some(up) = &self.up {
+            rows.add("up", format!("{} ({})", up.axis.name(), up.reason));
+        }
         rows.add(
             match self.details {
                 Details::Gaussians { .. } => "Gaussians",

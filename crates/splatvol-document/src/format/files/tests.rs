@@ -198,3 +198,23 @@ fn lists_of_depth_images_are_no_scenes() {
         assert_eq!(is_scene(&path), expected, "{text}");
     }
 }
+
+#[test]
+fn values_that_no_data_have_name_the_scene() {
+    for (line, words) in [
+        ("clim = [5, 1]", &["item[0].clim", "[5, 1]"][..]),
+        ("clim = [5, 5]", &["item[0].clim", "[5, 5]"]),
+        ("kind = 'zzz'", &["item[0].kind", "zzz"]),
+        ("cmap = 'virids'", &["item[0].cmap", "did you mean 'viridis'?"]),
+        (
+            "opacity = 'liner'",
+            &["item[0].opacity", "did you mean 'linear'?"],
+        ),
+        ("opacity = 2", &["item[0].opacity", "2"]),
+        ("color = [2, 0, 0]", &["item[0].color"]),
+        ("radius = -1", &["item[0].radius", "-1"]),
+        ("rotate = ['w', 30]", &["item[0].rotate", "[\"w\", 30]"]),
+    ] {
+        refused(&format!("[[item]]\nfile = 'sample:head:32'\n{line}\n"), words);
+    }
+}

@@ -296,7 +296,7 @@ fn choose(
     let Some(chosen) = chosen else {
         let name = options.series.as_deref().unwrap_or_default();
         let all = list(&mut (0..stacks.len()));
-        return Err(context.unsupported(format!("series \"{name}\" was asked for; there are {all}")));
+        return Err(context.unsupported(format!("series \"{name}\" was asked for; to choose from: {all}")));
     };
     let mut warnings = Vec::new();
     if candidates.len() > 1 {

@@ -89,7 +89,10 @@ fn layout_of(
     };
     let Some((index, image)) = images.iter().enumerate().find(asked) else {
         let asked = options.series.as_deref().unwrap_or("0");
-        let what = format!("image \"{asked}\" was asked for; there are {}", series.join(", "));
+        let what = format!(
+            "image \"{asked}\" was asked for; to choose from: {}",
+            series.join(", ")
+        );
         return Err(context.unsupported(what));
     };
     let pixels = image.children().find(|node| named(node, "Pixels"));

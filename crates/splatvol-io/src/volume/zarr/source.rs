@@ -12,7 +12,9 @@ use super::folder::Folder;
 use super::level::ArrayLevel;
 use super::spread;
 use super::store::Store;
+use super::whole;
 use crate::IoError;
+use crate::error::Context;
 use crate::volume::{Opened, ReadOptions};
 
 /// Levels of an image, chunk by chunk.
@@ -38,6 +40,8 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
     for level in first..store.arrays.len() {
         let (draft, part) = store.draft(level, options)?;
         let opened = store.level(level, (&draft, part), options)?;
+        let context = &Context::new("Zarr array", opened.array.folder.path()).following(options);
+        whole::check_chunks(&opened, level + 1 == store.arrays.len(), context)?;
         levels.push(opened);
     }
     let source = ZarrSource {

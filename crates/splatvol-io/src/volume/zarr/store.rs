@@ -86,7 +86,7 @@ impl Store {
         let Some(name) = names.iter().find(asked) else {
             let what = match &options.series {
                 Some(series) => format!(
-                    "series \"{series}\" was asked for; there are {}",
+                    "series \"{series}\" was asked for; to choose from: {}",
                     names.join(", ")
                 ),
                 None => "neither multiscales nor an array".to_owned(),
@@ -103,7 +103,7 @@ impl Store {
         let mut store = Self::open(&inner, options)?;
         if names.len() > 1 {
             if options.series.is_none() {
-                let warning = format!("series {name} is read; there are {}", names.join(", "));
+                let warning = format!("series {name} is read; to choose from: {}", names.join(", "));
                 store.description.warnings.push(warning);
             }
             store.description.series = names;
@@ -122,7 +122,7 @@ impl Store {
         };
         let list: Vec<String> = self.arrays.iter().enumerate().map(size).collect();
         let what = format!(
-            "level {} was asked for; there are {}",
+            "level {} was asked for; to choose from: {}",
             options.level,
             list.join(", ")
         );

@@ -14,6 +14,8 @@ use crate::files;
 /// Chunks that are looked for, per file that exists; and those that always are.
 const CHUNKS_PER_FILE: usize = 64;
 const FEW_CHUNKS: usize = 10_000;
+/// Chunks of a level that are believed without a look at its files.
+const BELIEVED: usize = 1 << 20;
 
 /// Most bytes of samples that are read whole from a store.
 const STORED: u64 = 256 << 20;
@@ -60,7 +62,7 @@ fn check_files(source: &ArrayLevel, context: &Context<'_>) -> Result<(), IoError
             false => Err(context.limit(wanted, STORED)),
         };
     }
-    let chunks = product(&|axis| array.shape[axis].div_ceil(array.chunks[axis]));
+    let chunks = count_chunks(source);
     let mut found = Found::default();
     found.count(array.folder.path(), array.shape.len() + 1, &|found| {
         found.bytes_allow(wanted) && found.files_allow(chunks, array)
@@ -69,12 +71,62 @@ fn check_files(source: &ArrayLevel, context: &Context<'_>) -> Result<(), IoError
         let most = if found.files == 0 { 0 } else { found.most() };
         return Err(context.too_small("chunks", wanted, most));
     }
-    if !found.files_allow(chunks, array) {
-        let shown = format!("{:?} in chunks of {:?}", array.shape, array.chunks);
-        let expected = format!("chunks in {} files", found.files);
-        return Err(context.field("shape", shown, None, expected));
+    match found.files_allow(chunks, array) {
+        true => Ok(()),
+        false => Err(too_many_chunks(
+            array,
+            &format!("chunks in {} files", found.files),
+            context,
+        )),
     }
-    Ok(())
+}
+
+/// Checks that a level that is read in chunks has no more of them than its files justify: whoever draws it makes lists of
+/// them. Of a store nothing is known but what it answers; there, the coarsest level has no more than an overview may read.
+pub(super) fn check_chunks(
+    source: &ArrayLevel,
+    is_coarsest: bool,
+    context: &Context<'_>,
+) -> Result<(), IoError> {
+    let array = &source.array;
+    let chunks = count_chunks(source);
+    if chunks.is_some_and(|chunks| chunks <= BELIEVED) {
+        return Ok(());
+    }
+    if array.folder.stored("").is_some() {
+        return match is_coarsest {
+            true => {
+                let expected = format!("at most {BELIEVED} chunks, or coarser levels");
+                Err(too_many_chunks(array, &expected, context))
+            }
+            false => Ok(()),
+        };
+    }
+    let mut found = Found::default();
+    found.count(array.folder.path(), array.shape.len() + 1, &|found| {
+        found.files_allow(chunks, array)
+    });
+    match found.files_allow(chunks, array) {
+        true => Ok(()),
+        false => Err(too_many_chunks(
+            array,
+            &format!("chunks in {} files", found.files),
+            context,
+        )),
+    }
+}
+
+/// Chunks of a level, where they can be counted.
+fn count_chunks(source: &ArrayLevel) -> Option<usize> {
+    let (array, mut axes) = (&source.array, source.part.spatial.iter());
+    axes.try_fold(1usize, |product, &axis| {
+        product.checked_mul(array.shape[axis].div_ceil(array.chunks[axis]))
+    })
+}
+
+fn too_many_chunks(array: &Array, expected: &str, context: &Context<'_>) -> IoError {
+    let shown = format!("{:?} in chunks of {:?}", array.shape, array.chunks);
+    context.field("shape", shown, None, expected)
 }
 
 /// Files below a folder and their bytes, as far as they were looked at.

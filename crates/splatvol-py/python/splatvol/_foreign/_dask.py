@@ -47,7 +47,7 @@ def from_dask(
     if isinstance(array, (list, tuple)):
         return _of_levels(array, axes, spacing, level, max_bytes)
     _arrays.check_axes(axes, array.ndim)
-    steps = _arrays.by_axis(spacing, axes, 1.0, "spacing")
+    steps = _arrays.steps_of(spacing, axes)
     factor = 1
     if level is not None and level != "auto":
         if isinstance(level, str) or not 0 <= level < 32:
@@ -79,7 +79,7 @@ def _of_levels(
     for array in levels:
         _arrays.check_axes(axes, array.ndim)
     chosen = levels[choose_level([array.shape for array in levels], levels[0].dtype.itemsize, level, max_bytes)]
-    steps = _arrays.by_axis(spacing, axes, 1.0, "spacing")
+    steps = _arrays.steps_of(spacing, axes)
     ratio = [levels[0].shape[axes.index(axis)] / chosen.shape[axes.index(axis)] for axis in "xyz"]
     wide = {axis: step * times for axis, step, times in zip("xyz", steps, ratio, strict=True)}
     return Volume(np.asarray(chosen), axes=axes, spacing=wide)

@@ -11,7 +11,18 @@ from .._errors import InvalidValue
 
 
 def from_xarray(array: Any) -> Volume:
-    """A volume of a DataArray with three dimensions; its coordinates, evenly spaced, are places in the world."""
+    """A volume of a DataArray with three dimensions; its coordinates, evenly spaced, are places in the world.
+
+    Raises
+    ------
+    TypeError
+        A Dataset: one of its arrays is a volume.
+    InvalidValue
+        Other dimensions, or coordinates that are not evenly spaced.
+    """
+    if hasattr(array, "data_vars"):
+        names = ", ".join(map(str, array.data_vars))
+        raise TypeError(f"a Dataset is no volume: choose one of its arrays, dataset['...'], of {names}")
     if array.ndim != 3:
         message = f"the DataArray has dimensions {array.dims}: choose with .isel(...) until three are left"
         raise InvalidValue(message, field="data", value=str(array.dims))

@@ -7,7 +7,7 @@
 
 use super::shapes::PALETTE;
 use super::survey::quantile;
-use super::{AutomaticChoice, ValueKind};
+use super::{AutomaticChoice, ValueKind, short};
 use crate::{
     ColorMap, ColorPoint, Grid, LengthUnit, Mesh, OpacityPoint, Rescale, Samples, SceneError,
     TransferFunction, Volume,
@@ -56,7 +56,10 @@ fn body(
         opacities.push(OpacityPoint::new(high, SHELL_OPACITY));
     }
     let choice = AutomaticChoice {
-        reason: format!("a shell or plate {thickness:.4} thick: all of its body, coloured by value"),
+        reason: format!(
+            "a shell or plate {} thick: all of its body, coloured by value",
+            short(thickness)
+        ),
         range: shown,
         ..choice
     };

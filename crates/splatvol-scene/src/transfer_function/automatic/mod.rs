@@ -85,7 +85,24 @@ impl TransferFunction {
     /// Transfer function that shows the volume's structure, with the reason; `map` replaces the colours but not the
     /// opacities. `unit_distance` is left to the volume's mean voxel spacing.
     pub fn automatic(volume: &Volume, map: Option<ColorMap>) -> (Self, AutomaticChoice) {
-        let proposal = Some(propose(volume)).filter(Proposal::is_finite);
+        Self::chosen(volume, map, true)
+    }
+
+    /// [`TransferFunction::automatic`] for values of a continuous field, even if few whole numbers are all that occur: they
+    /// are never taken for labels.
+    pub fn automatic_continuous(volume: &Volume, map: Option<ColorMap>) -> (Self, AutomaticChoice) {
+        Self::chosen(volume, map, false)
+    }
+
+    /// Value of the background: the most common one on the faces of the grid; where these look like everything else, the
+    /// least of all values.
+    pub fn background_of(volume: &Volume) -> f64 {
+        let found = Background::find(&Survey::new(volume));
+        found.map_or(volume.value_range()[0], |background| background.level)
+    }
+
+    fn chosen(volume: &Volume, map: Option<ColorMap>, may_be_labels: bool) -> (Self, AutomaticChoice) {
+        let proposal = Some(propose(volume, may_be_labels)).filter(Proposal::is_finite);
         let proposal = proposal.unwrap_or_else(|| shapes::ramp(volume.value_range()));
         let range = span(&proposal.opacities, volume);
         let colors = map.map_or(proposal.colors, |map| recolor(map, range, proposal.kind));
@@ -104,13 +121,14 @@ impl TransferFunction {
     }
 }
 
-fn propose(volume: &Volume) -> Proposal {
+fn propose(volume: &Volume, may_be_labels: bool) -> Proposal {
     let [min, max] = volume.value_range();
     if min == max {
         return shapes::constant(min);
     }
     let mut survey = Survey::new(volume);
-    if let Some(labels) = labels::find(volume, &survey) {
+    let labels = may_be_labels.then(|| labels::find(volume, &survey)).flatten();
+    if let Some(labels) = labels {
         return labels::proposal(&labels, &survey);
     }
     if shapes::is_hounsfield(&survey, [min, max]) {
@@ -135,6 +153,25 @@ fn propose(volume: &Volume) -> Proposal {
         survey.negate();
     }
     shapes::continuous(&survey, [min, max])
+}
+
+/// A value with four significant digits, for people.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if value != 0.0 && !(1e-3..1e6).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    // The digits before the point are all kept.
+    let digits = if value == 0.0 {
+        0
+    } else {
+        libm::log10(size).floor() as i32
+    };
+    let text = format!("{value:.*}", (3 - digits).max(0) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 /// Values between the first and the last point.

@@ -2,7 +2,7 @@
 
 use super::materials::{Background, thresholds};
 use super::survey::{Survey, quantile};
-use super::{Proposal, ValueKind};
+use super::{Proposal, ValueKind, short};
 use crate::{ColorMap, ColorPoint, OpacityPoint};
 
 /// Soft to dense: terracotta, amber, ivory.
@@ -123,8 +123,9 @@ pub(super) fn signed(mut survey: Survey, largest: f64) -> Proposal {
     Proposal {
         kind: ValueKind::Signed,
         reason: format!(
-            "values lie on both sides of a background of 0: transparent below a magnitude of {:.4}, strongest above {strong:.4}",
-            positive[0].value
+            "values lie on both sides of a background of 0: transparent below a magnitude of {}, strongest above {}",
+            short(positive[0].value),
+            short(strong)
         ),
         colors: map.points([-strong, strong], 33),
         opacities: negative.chain(positive.iter().copied()).collect(),
@@ -141,8 +142,12 @@ pub(super) fn materials(survey: &Survey, background: Background, max: f64) -> Op
     Some(Proposal {
         kind: ValueKind::Materials,
         reason: format!(
-            "background {:.4} with noise {:.3} at the faces of the grid: three classes from {soft:.4}, {middle:.4} and {dense:.4}",
-            background.level, background.noise
+            "background {} with noise {} at the faces of the grid: three classes from {}, {} and {}",
+            short(background.level),
+            short(background.noise),
+            short(soft),
+            short(middle),
+            short(dense)
         ),
         colors: classes.color_points(),
         opacities: classes.opacity_points(),
@@ -163,7 +168,8 @@ pub(super) fn continuous(survey: &Survey, [min, max]: [f64; 2]) -> Proposal {
     Proposal {
         kind: ValueKind::Continuous,
         reason: format!(
-            "no background at the faces of the grid: solid above Otsu's threshold {threshold:.4}"
+            "no background at the faces of the grid: solid above Otsu's threshold {}",
+            short(threshold)
         ),
         colors: [0.0, 0.33, 0.66, 1.0]
             .into_iter()

@@ -80,6 +80,31 @@ fn hounsfield_units_give_tissue_and_bone() {
 }
 
 #[test]
+fn numbers_in_reasons_have_four_significant_digits() {
+    for (value, text) in [
+        (0.0, "0"),
+        (87.183_412, "87.18"),
+        (-1000.0, "-1000"),
+        (123_456.7, "123457"),
+        (0.001_5, "0.0015"),
+        (2.345_67e-7, "2.346e-7"),
+        (1e200, "1.000e200"),
+    ] {
+        assert_eq!(short(value), text);
+    }
+}
+
+#[test]
+fn the_background_is_that_of_the_faces_or_the_least_value() {
+    let bright = volume(f32s, |p, u| ball(p, 250.0, 150.0, 20.0) - 5.0 * u);
+    let level = TransferFunction::background_of(&bright);
+    assert!((245.0..=250.0).contains(&level), "{level}");
+    let everywhere = volume(f32s, |p, u| 30.0 * u + 10.0 * p.x);
+    let least = everywhere.value_range()[0];
+    assert_eq!(TransferFunction::background_of(&everywhere), least);
+}
+
+#[test]
 fn labels_keep_their_values_apart() {
     let volume = volume(u8s, |p, _| match p.length() {
         r if r < 0.2 => 30.0,
@@ -93,6 +118,11 @@ fn labels_keep_their_values_apart() {
         (ValueKind::Labels, Classification::Pre)
     );
     assert!(choice.reason.starts_with("4 whole numbers"), "{}", choice.reason);
+    let (_, continuous) = TransferFunction::automatic_continuous(&volume, None);
+    assert_eq!(
+        (continuous.kind, continuous.classification),
+        (ValueKind::Materials, Classification::Post)
+    );
     assert_eq!(tf.opacity(0.0), 0.0);
     let colors = [2.0, 3.0, 30.0].map(|label| tf.color(label));
     assert!(colors[0] != colors[1] && colors[1] != colors[2] && colors[0] != colors[2]);

@@ -140,12 +140,14 @@ pub fn write_pyramid(
 ) -> Result<Pyramid, IoError> {
     let writer = Writer::new(volume, path.as_ref(), options)?;
     let resumed = writer.begin()?;
-    let _lock = writer.lock()?;
-    let progress = Progress::new(progress, &writer.plan);
-    for level in 0..writer.plan.levels.len() {
-        writer.level(level, &progress)?;
+    let lock = writer.lock()?;
+    let written = writer.run(&Progress::new(progress, &writer.plan));
+    if written.is_err() && !writer.done().exists() {
+        // There is nothing that could be continued.
+        drop(lock);
+        files::remove(&writer.partial)?;
     }
-    writer.finish()?;
+    written?;
     Ok(Pyramid {
         levels: writer.plan.levels.iter().map(|level| level.dims).collect(),
         resumed,
@@ -184,6 +186,10 @@ impl<'a> Writer<'a> {
 
     fn store(&self) -> PathBuf {
         self.partial.join("store")
+    }
+
+    fn done(&self) -> PathBuf {
+        self.partial.join("done")
     }
 
     fn state_file(&self) -> PathBuf {
@@ -226,9 +232,13 @@ impl<'a> Writer<'a> {
             }
         }
         match fs::read_to_string(self.state_file()) {
-            Ok(found) if found == self.state() => return Ok(true),
             Err(_) if !self.partial.exists() => {}
-            _ if self.options.overwrite => files::remove(&self.partial)?,
+            found if self.options.overwrite => {
+                // Not under the hands of a process that is writing it.
+                let _lock = found.is_ok().then(|| self.lock()).transpose()?;
+                files::remove(&self.partial)?;
+            }
+            Ok(found) if found == self.state() => return Ok(true),
             _ => {
                 let what = "work on other data, or with other settings, was begun here; remove the folder, or overwrite it";
                 return Err(Context::new("OME-Zarr output", &self.partial).unsupported(what));
@@ -236,6 +246,14 @@ impl<'a> Writer<'a> {
         }
         files::write(&self.state_file(), self.state().as_bytes())?;
         Ok(false)
+    }
+
+    /// Does all that is not done.
+    fn run(&self, progress: &Progress<'_>) -> Result<(), IoError> {
+        for level in 0..self.plan.levels.len() {
+            self.level(level, progress)?;
+        }
+        self.finish()
     }
 
     /// Keeps other processes away.
@@ -271,7 +289,7 @@ impl<'a> Writer<'a> {
             plan: &self.plan,
             level,
             folder: &store,
-            done: Done::new(&self.partial.join("done"), level),
+            done: Done::new(&self.done(), level),
             copy: level == 0,
             options: self.options,
             progress,
