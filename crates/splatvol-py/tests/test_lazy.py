@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -170,3 +171,28 @@ def test_masked_samples_are_refused() -> None:
     dask = pytest.importorskip("dask.array")
     with pytest.raises(sv.SplatvolError, match="some samples are masked"):
         sv.lazy(dask.from_array(samples)).render(size=16)
+
+
+def test_a_source_may_ask_splatvol_for_its_samples() -> None:
+    # In a process of its own: what waits for itself cannot be stopped.
+    code = """
+import numpy as np, splatvol as sv
+sv.set_threads(1)
+samples = np.random.default_rng(0).integers(0, 255, (40, 32, 24), np.uint8)
+own = sv.lazy(sv.Volume(samples)).render(size=32)
+assert np.array_equal(np.asarray(own), np.asarray(sv.lazy(samples).render(size=32)))
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+
+
+def test_pictures_of_one_volume_wait_for_each_other() -> None:
+    samples = np.random.default_rng(1).integers(0, 255, (40, 32, 24), np.uint8)
+    volume = sv.lazy(samples)
+
+    def picture(angle: int) -> Any:
+        return np.asarray(volume.render(size=50, azimuth=angle))
+
+    expected = [picture(angle) for angle in range(6)]
+    with ThreadPoolExecutor(3) as threads:
+        for found, wanted in zip(threads.map(picture, range(6)), expected, strict=True):
+            assert np.array_equal(found, wanted)

@@ -4,6 +4,9 @@
 //! from the integrals of the transfer function, as in `shade`; operators are evaluated at that place. An isosurface
 //! is seen where the cubic between two planes takes its value.
 //!
+//! Where there are clips alone, pixels of which they neither cut the interval nor light a face are left to `shade`: each
+//! pixel decides for itself, by the distances of its interval's ends from the planes. Clips that touch nothing change no bit.
+//!
 //! The field's gradient is not the normal of a cut. The normal is that of the cut's face, weighted by the opacity
 //! of four voxels of the material at the face, until seven eighths of the light are gone or the material ends. So
 //! faces of opaque material are lit flat, at the mean place of the light they send, and fog, which has no faces, is

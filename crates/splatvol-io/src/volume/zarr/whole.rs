@@ -71,14 +71,7 @@ fn check_files(source: &ArrayLevel, context: &Context<'_>) -> Result<(), IoError
         let most = if found.files == 0 { 0 } else { found.most() };
         return Err(context.too_small("chunks", wanted, most));
     }
-    match found.files_allow(chunks, array) {
-        true => Ok(()),
-        false => Err(too_many_chunks(
-            array,
-            &format!("chunks in {} files", found.files),
-            context,
-        )),
-    }
+    found.check_files_allow(chunks, array, context)
 }
 
 /// Checks that a level that is read in chunks has no more of them than its files justify: whoever draws it makes lists of
@@ -106,14 +99,7 @@ pub(super) fn check_chunks(
     found.count(array.folder.path(), array.shape.len() + 1, &|found| {
         found.files_allow(chunks, array)
     });
-    match found.files_allow(chunks, array) {
-        true => Ok(()),
-        false => Err(too_many_chunks(
-            array,
-            &format!("chunks in {} files", found.files),
-            context,
-        )),
-    }
+    found.check_files_allow(chunks, array, context)
 }
 
 /// Chunks of a level, where they can be counted.
@@ -158,6 +144,22 @@ impl Found {
             .saturating_mul(self.files)
             .saturating_mul(per_file);
         chunks.is_some_and(|chunks| chunks <= looked_for.saturating_add(FEW_CHUNKS))
+    }
+
+    /// Refuses more chunks than the files allow.
+    fn check_files_allow(
+        &self,
+        chunks: Option<usize>,
+        array: &Array,
+        context: &Context<'_>,
+    ) -> Result<(), IoError> {
+        match self.files_allow(chunks, array) {
+            true => Ok(()),
+            false => {
+                let expected = format!("chunks in {} files", self.files);
+                Err(too_many_chunks(array, &expected, context))
+            }
+        }
     }
 
     /// Counts until there are enough; links are not followed.
