@@ -82,9 +82,7 @@ impl ChunkMemory {
         let Some(volume) = volume.chunks() else {
             return Ok(None);
         };
-        let layout = volume.layout(0);
-        let element = layout.element.size() as u64;
-        let chunk = layout.chunk.iter().map(|&edge| edge as u64).product::<u64>() * element;
+        let (chunk, element) = pyramid.largest_chunk(levels.clone());
         let threads = needs.threads as u64;
         // Three more are on their way: stored, decoded, as samples.
         let picture = needs.of_volume(element) + 3 * threads * chunk;

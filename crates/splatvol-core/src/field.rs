@@ -71,6 +71,7 @@ use level::Failure;
 pub use level::SourceLevel;
 use needs::Needs;
 use reader::Reader;
+pub(crate) use reader::spread;
 pub use samples::Neighbourhood;
 pub use survey::survey;
 

@@ -1,4 +1,4 @@
-//! Levels of detail: the volume and its halves, each with the data that a transfer function needs.
+//! Levels of detail: the volume, with more samples where its voxels are long ([`finest_grid`]), and its halves, each with the data that a transfer function needs.
 //!
 //! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
 //! an octave of a change both levels are rendered and blended, so that the change is invisible. Where scale changes much
@@ -19,10 +19,11 @@ use crate::engine::RenderStatistics;
 use crate::field::{FieldStore, FieldWork, SourceLevel, survey};
 use crate::kernel::GaussianKernel;
 use crate::mip;
+use crate::refine;
 use crate::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Classification, Frame, Grid, ImageSize, Kernel, OverBudget, RenderSettings, SampleSource,
-    SceneError, SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
+    Camera, ChunkedVolume, Classification, Frame, Grid, ImageSize, Kernel, OverBudget, RenderSettings,
+    SampleSource, SceneError, SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
 };
 
 pub use by_depth::{LevelUntil, by_depth};
@@ -34,6 +35,11 @@ use crate::shade_table::ShadeTable;
 const FINEST: f64 = 0.8;
 /// Octaves over which two levels are blended.
 const BLEND: f64 = 0.25;
+
+/// The grid of the finest samples that are drawn of a volume: its own, or a finer one where its voxels are long.
+pub fn finest_grid(volume: &Volume, settings: &RenderSettings<SheetSettings>) -> Grid {
+    refine::finest_grid(volume, settings)
+}
 
 /// Which voxels a picture needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,7 +222,11 @@ pub struct Pyramid {
     kernel: SheetKernel,
     /// Whether coefficients interpolate the samples.
     prefilter: bool,
-    /// Levels: the source's own, and further halves of its last.
+    /// Whether long voxels are refined.
+    refines: bool,
+    /// The source's own levels.
+    own: Vec<SourceLevel>,
+    /// Levels made so far: the source's own, refined where their voxels are long, and further halves of the last.
     sources: Vec<SourceLevel>,
     levels: Vec<Option<Level>>,
 }
@@ -237,9 +247,8 @@ impl Detail {
         coarser: 0.0,
     };
 
-    /// Detail for a camera, `bias` octaves coarser than the picture asks.
-    pub fn new(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
-        let grid = volume.finest_grid();
+    /// Detail of a volume with this finest grid for a camera, `bias` octaves coarser than the picture asks.
+    pub fn new(grid: &Grid, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
         let centre = grid.bounds().centre();
         let depth = camera.camera_from_world().transform_point3(centre).z;
         let scale = camera.screen_from_camera(size).scale_at(depth);
@@ -274,26 +283,25 @@ impl Pyramid {
         Self {
             kernel: settings.method.kernel,
             prefilter: interpolates(settings),
-            levels: (0..source.levels()).map(|_| None).collect(),
-            sources: (0..source.levels()).map(level).collect(),
+            refines: refine::applies(settings),
+            own: (0..source.levels()).map(level).collect(),
+            sources: Vec::new(),
+            levels: Vec::new(),
         }
     }
 
     /// Whether the levels are this volume's, for the kernel of these settings.
     pub fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
         let same = self.kernel == settings.method.kernel && self.prefilter == interpolates(settings);
-        let (own, _) = self.sources[0].of();
-        same && std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(&volume.source()))
+        let refines = self.refines == refine::applies(settings) || !refine::is_long(self.own[0].grid());
+        let (own, _) = self.own[0].of();
+        same && refines && std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(&volume.source()))
     }
 
     /// Memory held, bytes, the samples included.
     pub fn bytes(&self) -> usize {
-        let source = |n: usize| self.sources[n].of().0;
-        // Neighbouring levels share a source if they are its own, or if one could not be made and repeats the one
-        // before.
-        let is_new = |n: usize| n == 0 || !Arc::ptr_eq(source(n), source(n - 1));
-        let own = (0..self.sources.len()).filter(|&n| is_new(n));
-        let samples = own.map(|n| source(n).bytes()).sum::<usize>();
+        let own = self.own[0].of().0.bytes();
+        let samples = own + self.made().map(|made| made.of().0.bytes()).sum::<usize>();
         let means = |level: &Level| level.means.as_ref().map_or(0, ClassifiedMeans::bytes);
         let levels = self.levels.iter().flatten();
         samples
@@ -309,21 +317,48 @@ impl Pyramid {
     fn source(&mut self, level: usize) -> Result<SourceLevel, SceneError> {
         while self.sources.len() <= level {
             let number = self.sources.len();
-            let last = &self.sources[number - 1];
-            survey(last, &AtomicBool::new(false))?;
-            let half = match last.chunks().filter(|_| !fits_halved(last)) {
-                Some(chunks) => mip::half_in_chunks((last, number), chunks),
-                None => mip::half(last).map(|half| Arc::new(half).into()),
+            let (before, made) = match self.own.get(number) {
+                Some(own) if self.refines => {
+                    survey(own, &AtomicBool::new(false))?;
+                    (
+                        own,
+                        refine::refined(own).map(|finer| finer.unwrap_or_else(|| own.clone())),
+                    )
+                }
+                Some(own) => (own, Ok(own.clone())),
+                None => {
+                    let last = &self.sources[number - 1];
+                    survey(last, &AtomicBool::new(false))?;
+                    let half = match last.chunks().filter(|_| !fits_halved(last)) {
+                        Some(chunks) => mip::half_in_chunks((last, number), chunks),
+                        None => mip::half(last).map(|half| Arc::new(half).into()),
+                    };
+                    (last, half)
+                }
             };
-            let half = match half {
-                Ok(half) => half,
+            let next = match made {
+                Ok(made) => made,
                 Err(error @ SceneError::Source { .. }) => return Err(error),
-                Err(_) => last.clone(),
+                Err(_) => before.clone(),
             };
-            self.sources.push(half);
+            self.sources.push(next);
             self.levels.push(None);
         }
         Ok(self.sources[level].clone())
+    }
+
+    /// Levels that are not the source's own, the finest first.
+    fn made(&self) -> impl Iterator<Item = &SourceLevel> {
+        let source = |level: &SourceLevel| Arc::clone(level.of().0);
+        let own = source(&self.own[0]);
+        // One that could not be made repeats the one before.
+        let is_new = move |n: usize| {
+            let level = source(&self.sources[n]);
+            !Arc::ptr_eq(&level, &own) && (n == 0 || !Arc::ptr_eq(&level, self.sources[n - 1].of().0))
+        };
+        (0..self.sources.len())
+            .filter(move |&n| is_new(n))
+            .map(|n| &self.sources[n])
     }
 
     /// Grid of a level, or of the last one that can be made.
@@ -383,8 +418,7 @@ impl Pyramid {
 
     /// The coarsest level that the source has itself: all further ones are made of it.
     fn finest(&self) -> usize {
-        let (source, _) = self.sources[0].of();
-        source.levels() - 1
+        self.own.len() - 1
     }
 
     /// Replaces the classes of a level's samples by means of those of another, unless that was done before.
@@ -443,33 +477,50 @@ impl Pyramid {
     /// # Errors
     /// More bytes than the budget has left.
     pub(crate) fn give(&self, level: usize, samples: u64) -> Result<(), OverBudget> {
-        let made = self.finest() + 1;
-        let all = std::iter::once(0).chain(made..self.sources.len());
-        let of: Vec<_> = all
-            .filter_map(|number| Some((number, self.sources[number].chunks()?)))
-            .collect();
-        let own = if level < made { 0 } else { level };
-        let finer = of.iter().filter(|(number, _)| *number < own).count() as u64;
-        let share = |number: usize| match number {
-            _ if number > own => 0,
-            _ if number < own => samples / MADE_OF / finer,
-            _ if finer > 0 => samples - samples / MADE_OF,
-            _ => samples,
+        // Those of which the level is made, the volume itself first, and it last.
+        let mut chain: Vec<&SourceLevel> = vec![&self.own[level.min(self.finest())]];
+        chain.extend(self.sources[level.min(self.finest())..=level].iter());
+        let mut chain: Vec<&ChunkedVolume> = chain.into_iter().filter_map(SourceLevel::chunks).collect();
+        chain.dedup_by(|a, b| std::ptr::eq(*a, *b));
+        let finer = chain.len().saturating_sub(1) as u64;
+        let share = |chunks: &ChunkedVolume| match chain.iter().position(|of| std::ptr::eq(*of, chunks)) {
+            None => 0,
+            Some(at) if at as u64 == finer && finer > 0 => samples - samples / MADE_OF,
+            Some(at) if at as u64 == finer => samples,
+            Some(_) => samples / MADE_OF / finer,
         };
+        let own = self.own[0].chunks();
+        let all: Vec<_> = own
+            .into_iter()
+            .chain(self.made().filter_map(SourceLevel::chunks))
+            .collect();
         // Those that get less leave room for the others.
-        for (number, chunks) in &of {
-            let _ = chunks.source().resize(share(*number));
+        for chunks in &all {
+            let _ = chunks.source().resize(share(chunks));
         }
-        of.iter()
-            .try_for_each(|(number, chunks)| chunks.source().resize(share(*number)))
+        all.iter()
+            .try_for_each(|chunks| chunks.source().resize(share(chunks)))
+    }
+
+    /// Bytes of the largest chunk, and of a sample in chunks, of these levels and of what they are made of.
+    pub(crate) fn largest_chunk(&self, levels: std::ops::Range<usize>) -> (u64, u64) {
+        let own = self.own[..1].iter().chain(&self.sources[levels]);
+        own.filter_map(|level| Some(level.chunks()?.layout(level.of().1)))
+            .map(|layout| {
+                let element = layout.element.size() as u64;
+                let chunk = layout.chunk.iter().map(|&edge| edge as u64).product::<u64>();
+                (chunk * element, element)
+            })
+            .fold((0, 0), |(chunk, element), own| {
+                (chunk.max(own.0), element.max(own.1))
+            })
     }
 
     /// Frees all that pictures have left, where samples are read in chunks, but for those themselves: another pyramid of
     /// the same volume may need their memory.
     pub fn rest(&self) {
         self.free_solved();
-        let made = self.sources.iter().skip(self.finest() + 1);
-        for chunks in made.filter_map(SourceLevel::chunks) {
+        for chunks in self.made().filter_map(SourceLevel::chunks) {
             // No bytes are always granted.
             let _ = chunks.source().resize(0);
         }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Weak};
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::engine::Shot;
-use splatvol_core::level::{Detail, VolumeLook, Wanted};
+use splatvol_core::level::{Detail, VolumeLook, Wanted, finest_grid};
 use splatvol_core::plan::Sampling;
 use splatvol_core::scene_cloud;
 use splatvol_core::shade_table::ShadeTable;
@@ -180,7 +180,7 @@ impl Shown<'_> {
     pub(crate) fn detail(&self, camera: &Camera) -> Detail {
         match self.has_levels() {
             true => Detail::new(
-                &self.volume,
+                &finest_grid(&self.volume, &self.settings),
                 camera,
                 (self.settings.size, self.settings.method.level_bias),
             ),

@@ -7,6 +7,7 @@
 //! | module | equation |
 //! |---|---|
 //! | [`reconstruction`] | `S`, `W`, `v = S / W`, coefficients of the interpolating prefilter |
+//! | [`long_voxels`] | values between samples that lie far apart |
 //! | `kernel` | the cut Gaussian `h`, and h convolved with the EWA low-pass |
 //! | `lattice` | `sum_k p_k h(x - k)` over the samples |
 //! | `medium` | extinction and emission at a camera-space point, pre- and post-classified |
@@ -27,6 +28,7 @@ mod features;
 mod integral;
 mod kernel;
 mod lattice;
+pub mod long_voxels;
 mod medium;
 mod ray_value;
 pub mod reconstruction;

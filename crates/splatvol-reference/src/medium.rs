@@ -7,7 +7,9 @@
 //! low-pass of that depth (its change with depth is not differentiated).
 
 use glam::{DAffine3, DMat3, DVec3};
-use splatvol_scene::{Camera, RenderSettings, Scene, ScreenFromCamera, TransferFunction, Volume};
+use splatvol_scene::{
+    Camera, RenderSettings, Scene, ScreenFromCamera, SingleVolume, TransferFunction, Volume,
+};
 
 use crate::ReferenceError;
 use crate::kernel::GaussianKernel;
@@ -28,8 +30,10 @@ pub(crate) struct ViewGeometry {
 }
 
 impl ViewGeometry {
+    /// `mean_spacing`: of the volume's own voxels, to which gradients refer; world length.
     pub(crate) fn new(
         volume: &Volume,
+        mean_spacing: f64,
         camera: &Camera,
         settings: &RenderSettings,
     ) -> Result<Self, ReferenceError> {
@@ -42,7 +46,7 @@ impl ViewGeometry {
             screen_from_camera: camera.screen_from_camera(settings.size),
             kernel: GaussianKernel::new(&settings.method.kernel())?,
             pixel_sigma: settings.method.filter().pixel_sigma(),
-            camera_from_voxel_gradient: voxel_from_camera.matrix3.transpose() * grid.mean_spacing(),
+            camera_from_voxel_gradient: voxel_from_camera.matrix3.transpose() * mean_spacing,
         })
     }
 
@@ -91,17 +95,20 @@ pub(crate) struct PostClassified {
 }
 
 impl Medium {
-    /// The data of a scene, classified at each point.
-    pub(crate) fn post(scene: &Scene, settings: &RenderSettings) -> Result<Self, ReferenceError> {
-        let single = scene.single_volume()?;
+    /// The data of a volume, classified at each point with a look.
+    pub(crate) fn post(
+        volume: &Volume,
+        look: &SingleVolume<'_>,
+        settings: &RenderSettings,
+    ) -> Result<Self, ReferenceError> {
         Ok(Self::Post(Box::new(PostClassified {
             reconstruction: Reconstruction::new(
-                single.volume,
+                volume,
                 &settings.method.kernel(),
                 settings.method.prefilter(),
             )?,
-            transfer_function: single.transfer_function.clone(),
-            unit_distance: single.unit_distance(),
+            transfer_function: look.transfer_function.clone(),
+            unit_distance: look.unit_distance(),
             shading: settings.lighting.map(Shading::new),
         })))
     }

@@ -6,12 +6,13 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Frame, Image, RenderSettings, Scene, TransferFunction,
+    Camera, Classification, Compositing, Frame, Image, RenderSettings, Scene, TransferFunction, Volume,
 };
 
 use crate::ReferenceError;
 use crate::features::Features;
 use crate::integral::{Optics, RayIntegral, Segment};
+use crate::long_voxels::refined;
 use crate::medium::{Medium, MediumSample, ViewGeometry};
 use crate::ray_value::{RayValue, maximum, mean, minimum};
 use crate::shading::Shading;
@@ -121,8 +122,7 @@ impl Reference {
     ) -> Result<Self, ReferenceError> {
         settings.validate()?;
         let single = scene.single_volume()?;
-        let volume = single.placed()?;
-        let geometry = ViewGeometry::new(&volume, camera, settings)?;
+        let placed = single.placed()?;
         let value = |of| Mode::Value {
             of,
             transfer_function: single.transfer_function.clone(),
@@ -147,10 +147,16 @@ impl Reference {
             }
             _ => None,
         };
+        let finer = match pre_shading {
+            None if settings.method.prefilter() => refined(&placed)?,
+            _ => None,
+        };
+        let volume: &Volume = finer.as_ref().unwrap_or(&placed);
+        let geometry = ViewGeometry::new(volume, placed.grid().mean_spacing(), camera, settings)?;
         let (medium, features) = match pre_shading {
             Some(shading) => (Medium::pre(scene, &geometry, shading)?, Features::none()),
             None => (
-                Medium::post(scene, settings)?,
+                Medium::post(volume, &single, settings)?,
                 Features::new(single.transfer_function, single.unit_distance()),
             ),
         };

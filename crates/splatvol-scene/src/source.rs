@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 
 use crate::volume::Statistics;
-use crate::{ChunkedVolume, Grid, Rescale, Samples, SceneError, Volume};
+use crate::{ChunkedVolume, Grid, Rescale, Samples, SceneError, Survey, Volume};
 
 /// A box of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +83,11 @@ pub trait SampleSource: Debug + Send + Sync {
         region: VoxelBox,
         memory: &'a mut Option<Samples>,
     ) -> Result<Block<'a>, SceneError>;
+
+    /// What is known of a level, if its samples were surveyed.
+    fn survey(&self, _level: usize) -> Option<&Survey> {
+        None
+    }
 
     /// Bytes in memory that belong to the source.
     fn bytes(&self) -> usize;

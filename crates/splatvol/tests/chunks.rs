@@ -25,6 +25,14 @@ fn shells() -> Arc<Volume> {
     Arc::new(Sample::Shells.generate(Some(SampleSize::Longest(72))).unwrap())
 }
 
+/// Slices three times as far apart as samples within them: their long voxels are refined.
+fn slices() -> Arc<Volume> {
+    let mut volume = Sample::Shells.generate(Some(SampleSize::Longest(40))).unwrap();
+    let apart = DVec3::new(1.0, 1.0, 3.0);
+    volume.transform(glam::DAffine3::from_scale(apart)).unwrap();
+    Arc::new(volume)
+}
+
 /// A ramp of opacity between shares of the values' range.
 fn look(volume: &Volume, ends: [f64; 2], opacity: f64) -> TransferFunction {
     let [low, high] = volume.value_range();
@@ -48,9 +56,9 @@ fn camera(volume: &Volume, from: DVec3, distance: f64, projection: Projection) -
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 30.0 };
 
-/// Seven scenes: opaque, translucent, maxima, X-ray, that of two volumes, two volumes, from close by.
+/// Eight scenes: opaque, translucent, maxima, X-ray, that of two volumes, two volumes, from close by, slices.
 fn cases() -> Vec<Case> {
-    let volume = shells();
+    let (volume, slices) = (shells(), slices());
     let other = Arc::new(Sample::Ball.generate(Some(SampleSize::Longest(60))).unwrap());
     let base = RenderSettings {
         size: ImageSize::new(176, 144).unwrap(),
@@ -116,6 +124,12 @@ fn cases() -> Vec<Case> {
                 level_bias: 2.0,
                 ..base.into()
             }),
+        ),
+        case(
+            "slices",
+            vec![(Arc::clone(&slices), look(&slices, [0.3, 0.6], 0.4))],
+            camera(&slices, DVec3::new(0.7, 1.0, 0.5), 1.3, PERSPECTIVE),
+            base,
         ),
     ]
 }
@@ -264,6 +278,8 @@ fn pixels_do_not_depend_on_chunks_or_on_what_is_known_of_them() {
         (&cases[2], [9, 72, 40], true),
         (&cases[3], [31, 17, 23], true),
         (&cases[5], [64; 3], false),
+        (&cases[7], [40, 17, 1], false),
+        (&cases[7], [31, 17, 23], true),
     ] {
         let with = With {
             chunk,

@@ -168,17 +168,8 @@ impl FieldStore {
 
     /// Lost chunks have a normalised value, that of the background, which is invisible.
     fn set_hole(&self, background: f32) {
-        let Some(chunks) = self.source.chunks() else {
-            return;
-        };
         let [low, high] = self.source.value_range();
-        let rescale = self.source.rescale();
-        let real = low + f64::from(background) * (high - low);
-        let stored = (real - rescale.intercept) / rescale.slope;
-        let is_float = chunks.layout(self.source.of().1).element.is_float();
-        chunks
-            .source()
-            .set_hole(if is_float { stored } else { stored.round() });
+        self.source.set_hole(low + f64::from(background) * (high - low));
     }
 
     /// Replaces `bricks` by those of chunks that may hold a visible sample, ascending.

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use splatvol_scene::volume::Statistics;
 use splatvol_scene::{
-    Block, ChunkedVolume, Grid, Rescale, SampleSource, Samples, SceneError, Survey, Volume, VoxelBox,
+    Block, ChunkSource, ChunkedVolume, Grid, Rescale, SampleSource, Samples, SceneError, Survey, Volume,
+    VoxelBox,
 };
 
 /// Samples on one grid.
@@ -51,9 +52,21 @@ impl SourceLevel {
         self.source.chunks()
     }
 
-    /// What is known of the level, where it is read from chunks.
+    /// What is known of the level, if it was surveyed.
     pub fn known(&self) -> Option<&Survey> {
-        self.chunks()?.survey(self.level)
+        self.source.survey(self.level)
+    }
+
+    /// Sets the real value of lost chunks that are taken for holes. Whether any sample may have changed.
+    pub(crate) fn set_hole(&self, real: f64) -> bool {
+        let rescale = self.rescale();
+        let stored = (real - rescale.intercept) / rescale.slope;
+        self.chunks().is_some_and(|chunks| {
+            let is_float = chunks.layout(self.level).element.is_float();
+            chunks
+                .source()
+                .set_hole(if is_float { stored } else { stored.round() })
+        })
     }
 
     /// The samples of a region, or of a larger one.

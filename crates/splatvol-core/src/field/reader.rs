@@ -1,7 +1,7 @@
 //! Reads regions of samples into its own memory.
 
 use splatvol_scene::volume::widen;
-use splatvol_scene::{Block, Samples, VoxelBox};
+use splatvol_scene::{Block, Samples, SceneError, VoxelBox};
 
 use super::lattice;
 use super::level::{Failure, SourceLevel};
@@ -59,11 +59,31 @@ impl<'a> Reader<'a> {
 /// Frequencies of values, from up to 65 536 evenly spread samples.
 pub(super) fn histogram(source: &SourceLevel, failure: &Failure) -> Histogram {
     let mut histogram = Histogram::new(source.value_range(), source.rescale());
-    if let Some(survey) = source.known() {
-        survey.spread.iter().for_each(|&sample| histogram.add(sample));
-        return histogram;
+    match source.known() {
+        Some(survey) => survey.spread.iter().for_each(|&sample| histogram.add(sample)),
+        None => {
+            let mut add = |sample| histogram.add(sample);
+            failure.catch(for_spread(source, &mut add));
+        }
     }
-    let mut reader = Reader::new(source, failure);
+    histogram
+}
+
+/// Every n-th stored sample of a level, x fastest, n by [`Histogram::step`].
+///
+/// # Errors
+/// Samples that cannot be read.
+pub(crate) fn spread(source: &SourceLevel) -> Result<Vec<f64>, SceneError> {
+    if let Some(survey) = source.known() {
+        return Ok(survey.spread.clone());
+    }
+    let mut spread = Vec::new();
+    for_spread(source, &mut |sample| spread.push(sample))?;
+    Ok(spread)
+}
+
+fn for_spread(source: &SourceLevel, take: &mut dyn FnMut(f64)) -> Result<(), SceneError> {
+    let mut memory = None;
     let [nx, ny, nz] = source.grid().dims();
     let step = Histogram::step(nx * ny * nz);
     for z in 0..nz {
@@ -71,18 +91,14 @@ pub(super) fn histogram(source: &SourceLevel, failure: &Failure) -> Histogram {
             first: [0, 0, z],
             size: [nx, ny, 1],
         };
+        let block = source.read(slice, &mut memory)?;
         let from = (z * nx * ny).next_multiple_of(step);
-        let read = reader.read(slice).map(|block| {
-            splatvol_scene::with_samples!(block.samples, data => {
-                let data = lattice::Block::new(data, block.of);
-                for at in (from..(z + 1) * nx * ny).step_by(step) {
-                    histogram.add(widen(data.row([at / nx % ny, z]).at(at % nx)));
-                }
-            });
+        splatvol_scene::with_samples!(block.samples, data => {
+            let data = lattice::Block::new(data, block.of);
+            for at in (from..(z + 1) * nx * ny).step_by(step) {
+                take(widen(data.row([at / nx % ny, z]).at(at % nx)));
+            }
         });
-        if read.is_none() {
-            break;
-        }
     }
-    histogram
+    Ok(())
 }

@@ -15,7 +15,7 @@
 use glam::DVec3;
 use splatvol_scene::{Camera, Grid, ImageSize, RenderSettings, SceneError, SheetSettings, Volume};
 
-use super::{FINEST, Pyramid, most_halves};
+use super::{FINEST, Pyramid, finest_grid, most_halves};
 use crate::plan::{Sampling, Segment, behind_each_other};
 
 /// Ratio of the largest to the smallest scale of a volume from which on its levels are chosen by depth.
@@ -30,10 +30,9 @@ pub struct LevelUntil {
     pub end: f64,
 }
 
-/// The levels of a volume, nearest first, `bias` octaves coarser than the picture asks; none where one is enough.
-pub fn by_depth(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Vec<LevelUntil> {
+/// The levels of a volume with this finest grid, nearest first, `bias` octaves coarser than the picture asks; none where one is enough.
+pub fn by_depth(grid: &Grid, camera: &Camera, (size, bias): (ImageSize, f64)) -> Vec<LevelUntil> {
     let screen = camera.screen_from_camera(size);
-    let grid = volume.finest_grid();
     let [near, far] = depths(grid, camera);
     if !screen.perspective || far <= CHANGE * near.max(0.0) {
         return Vec::new();
@@ -70,7 +69,8 @@ impl Pyramid {
         (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         sampling: Sampling,
     ) -> Result<Vec<Segment>, SceneError> {
-        let levels = by_depth(volume, camera, (settings.size, settings.method.level_bias));
+        let grid = finest_grid(volume, settings);
+        let levels = by_depth(&grid, camera, (settings.size, settings.method.level_bias));
         let grids = levels.iter().map(|own| self.grid(own.level));
         let grids: Vec<_> = grids.collect::<Result<_, _>>()?;
         let ends: Vec<f64> = levels.iter().map(|own| own.end).collect();
@@ -101,14 +101,11 @@ fn depths(grid: &Grid, camera: &Camera) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use splatvol_scene::{ImageSize, Projection};
-    use splatvol_testing::fields::Constant;
-    use splatvol_testing::sample;
 
     use super::*;
 
     fn levels(distance: f64, bias: f64) -> Vec<LevelUntil> {
         let grid = Grid::centred([64; 3], DVec3::ONE).unwrap();
-        let volume = sample(&Constant(0.5), &grid);
         let camera = Camera::new(
             DVec3::new(0.0, 0.0, -distance),
             DVec3::ZERO,
@@ -116,7 +113,7 @@ mod tests {
             Projection::Perspective { fov_degrees: 60.0 },
         )
         .unwrap();
-        by_depth(&volume, &camera, (ImageSize::new(16, 16).unwrap(), bias))
+        by_depth(&grid, &camera, (ImageSize::new(16, 16).unwrap(), bias))
     }
 
     #[test]

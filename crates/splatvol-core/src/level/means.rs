@@ -17,7 +17,7 @@ use super::Level;
 use crate::brick::BRICK;
 use crate::classification::ClassificationTable;
 use crate::field::{FieldStore, SourceLevel};
-use crate::mip::Cover;
+use crate::resample::Taps;
 use crate::visibility::BRICK_VOXELS;
 pub use labels::Surfaces;
 use labels::{BrickSurfaces, StoredSurfaces};
@@ -138,7 +138,7 @@ struct Means<'a> {
     /// First voxel of the finest lattice, and of the level's.
     margins: [[usize; 3]; 2],
     /// The finest samples that the level's voxels cover, along x, y, z.
-    cover: [Vec<Cover>; 3],
+    cover: [Vec<Taps>; 3],
     /// Bricks of the level.
     count: u32,
 }
@@ -164,7 +164,7 @@ impl<'a> Means<'a> {
             visible,
             bricks,
             margins: [finest.field.margin(), field.margin()],
-            cover: std::array::from_fn(|a| Cover::all(dims[0][a], dims[1][a])),
+            cover: std::array::from_fn(|a| Taps::of_means(dims[0][a], dims[1][a])),
             count: bricks_of(field).iter().product::<usize>() as u32,
         }
     }
@@ -207,7 +207,7 @@ impl<'a> Means<'a> {
     }
 
     /// What a voxel of a brick covers; nothing beyond the volume.
-    fn covers(&self, first: [u32; 3], place: usize) -> Option<[&Cover; 3]> {
+    fn covers(&self, first: [u32; 3], place: usize) -> Option<[&Taps; 3]> {
         let at = [place % BRICK, place / BRICK % BRICK, place / (BRICK * BRICK)];
         let cover = |a: usize| {
             let voxel = (first[a] as usize + at[a]).checked_sub(self.margins[1][a])?;
@@ -241,14 +241,14 @@ impl<'a> Means<'a> {
     }
 
     /// Mean class of the samples that one voxel covers.
-    fn mean(&self, block: &Block<'_>, [xs, ys, zs]: [&Cover; 3]) -> [f32; 4] {
+    fn mean(&self, block: &Block<'_>, [xs, ys, zs]: [&Taps; 3]) -> [f32; 4] {
         let [from, to] = xs.range();
         let mut sum = [0.0f32; 4];
-        for (z, of_z) in zs.taps() {
-            for (y, of_y) in ys.taps() {
+        for (z, of_z) in zs.iter() {
+            for (y, of_y) in ys.iter() {
                 with_samples!(block.samples, data => {
                     let row = &block.of.row(data, [y, z])[from - block.of.first[0]..to - block.of.first[0]];
-                    for (&sample, (_, of_x)) in row.iter().zip(xs.taps()) {
+                    for (&sample, (_, of_x)) in row.iter().zip(xs.iter()) {
                         if let Some(class) = self.class(widen(sample)) {
                             let weight = of_x * of_y * of_z;
                             sum = std::array::from_fn(|c| sum[c] + weight * class[c]);

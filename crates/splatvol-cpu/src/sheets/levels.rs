@@ -8,7 +8,7 @@
 
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
-use splatvol_core::level::{Detail, Wanted, blend};
+use splatvol_core::level::{Detail, Wanted, blend, finest_grid};
 use splatvol_core::plan::Segment;
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
@@ -22,7 +22,11 @@ type Shot<'a> = (&'a Camera, &'a RenderSettings<SheetSettings>);
 /// Level of detail of a volume.
 pub(super) fn detail(volume: &Volume, (camera, settings): Shot<'_>) -> Detail {
     match has_levels(settings) {
-        true => Detail::new(volume, camera, (settings.size, settings.method.level_bias)),
+        true => Detail::new(
+            &finest_grid(volume, settings),
+            camera,
+            (settings.size, settings.method.level_bias),
+        ),
         false => Detail::FINEST,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use splatvol::glam::DVec3;
+use splatvol::glam::{DAffine3, DVec3};
 use splatvol::samples::{Sample, SampleSize};
 use splatvol::{
     Budget, Camera, ChunkedVolume, Compositing, FlatSettings, Frame, Item, LengthUnit, Projection,
@@ -73,6 +73,11 @@ fn pictures_from_chunks_are_those_from_memory() {
     };
     let shells = (volume(Sample::Shells, 72), Sample::Shells);
     let ball = (volume(Sample::Ball, 60), Sample::Ball);
+    let mut slices = Volume::clone(&volume(Sample::Shells, 32));
+    let apart = DVec3::new(1.0, 1.0, 3.0);
+    slices.transform(DAffine3::from_scale(apart)).unwrap();
+    let slices = (Arc::new(slices), Sample::Shells);
+    let seen = camera(&slices.0, [0.7, 1.0, 0.5], 1.3);
     let one = vec![shells.clone()];
     let near = camera(&shells.0, [0.3, 1.0, 0.2], 0.45);
     let far = camera(&shells.0, [0.7, 1.0, 0.5], 1.3);
@@ -99,6 +104,8 @@ fn pictures_from_chunks_are_those_from_memory() {
             },
         ),
         ("two volumes", vec![shells, ball], far, settings(48)),
+        // Long voxels are refined.
+        ("slices", vec![slices], seen, settings(48)),
     ];
     for (what, volumes, camera, flat) in cases {
         let settings = checked(flat);

@@ -88,11 +88,6 @@ impl CachedSource {
         Self { holes: true, ..self }
     }
 
-    /// Sets the stored value that fills holes from now on.
-    pub fn set_hole(&self, value: f64) {
-        self.hole.store(value.to_bits(), Ordering::Relaxed);
-    }
-
     /// Keeps so many bytes of chunks from now on.
     ///
     /// # Errors
@@ -240,6 +235,15 @@ impl ChunkSource for CachedSource {
 
     fn will_need(&self, chunks: &[(usize, [usize; 3])]) {
         self.source.will_need(chunks);
+    }
+
+    fn set_hole(&self, stored: f64) -> bool {
+        let changes = self.hole.swap(stored.to_bits(), Ordering::Relaxed) != stored.to_bits();
+        let made_anew = self.source.set_hole(stored);
+        if made_anew {
+            self.kept.clear();
+        }
+        made_anew || self.holes && changes
     }
 
     fn identity(&self) -> SourceIdentity {

@@ -122,6 +122,12 @@ pub trait ChunkSource: Debug + Send + Sync {
     /// A hint which chunks are read next, in this order, each with its level. Sources may fetch them ahead.
     fn will_need(&self, _chunks: &[(usize, [usize; 3])]) {}
 
+    /// Sets the stored value of lost chunks that are taken for holes, in what the source is made of, too. Whether any
+    /// chunk may have changed.
+    fn set_hole(&self, _stored: f64) -> bool {
+        false
+    }
+
     /// Name and state.
     fn identity(&self) -> SourceIdentity;
 }

@@ -290,6 +290,10 @@ impl SampleSource for ChunkedVolume {
         Ok(Block { samples, of: region })
     }
 
+    fn survey(&self, level: usize) -> Option<&Survey> {
+        Self::survey(self, level)
+    }
+
     fn bytes(&self) -> usize {
         self.shared.source.kept_bytes() as usize
     }

@@ -253,7 +253,7 @@ fn the_whole_optical_depth_is_that_of_the_box() {
     let grid = Grid::new(
         [20, 28, 12],
         DVec3::new(3.0, -8.0, 1.0),
-        DVec3::new(1.1, 0.8, 2.0),
+        DVec3::new(1.1, 0.8, 1.9),
         rotation,
     )
     .unwrap();

@@ -13,7 +13,7 @@ use splatvol_scene::volume::widen;
 use splatvol_scene::{SceneError, VoxelBox, with_samples};
 
 use super::Means;
-use crate::mip::Cover;
+use crate::resample::Taps;
 use crate::visibility::BRICK_VOXELS;
 
 /// Mean gradient and share of surface of a brick's voxels, x fastest.
@@ -85,12 +85,12 @@ impl Means<'_> {
     fn surface<T: Copy + Into<f64> + PartialEq>(
         &self,
         block: LabelBlock<'_, T>,
-        [xs, ys, zs]: [&Cover; 3],
+        [xs, ys, zs]: [&Taps; 3],
     ) -> [f32; 4] {
         let (mut sum, mut all) = ([0.0f32; 4], 0.0f32);
-        for (z, of_z) in zs.taps() {
-            for (y, of_y) in ys.taps() {
-                for (x, of_x) in xs.taps() {
+        for (z, of_z) in zs.iter() {
+            for (y, of_y) in ys.iter() {
+                for (x, of_x) in xs.iter() {
                     let own = block.at([x, y, z]);
                     let Some([extinction, ..]) = self.class(widen(own)) else {
                         continue;
