@@ -120,6 +120,16 @@ fn chosen(
         _ => None,
     };
     if curve.is_none() && keys.clim.is_none() {
+        let own = map.is_none()
+            && input.mesh.is_none()
+            && input.sample.is_none()
+            && !keys.labels.unwrap_or(input.description.is_labels);
+        if let Some(look) = own
+            .then(|| TransferFunction::automatic_projection(volume, compositing))
+            .flatten()
+        {
+            return Ok(look.into());
+        }
         if compositing.shows_one_value() && map.is_none() {
             return Ok(TransferFunction::gray_ramp([low, high], 1.0)?.into());
         }

@@ -22,6 +22,7 @@ mod labels;
 mod materials;
 mod mesh;
 mod oriented;
+mod projections;
 mod shapes;
 mod survey;
 

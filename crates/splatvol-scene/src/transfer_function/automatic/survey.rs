@@ -15,7 +15,7 @@ pub(super) struct Survey {
     /// Cells along world x, y, z (the nearest voxel axes).
     pub(super) cells: [usize; 3],
     /// Lengths of a cell along the same axes, mean voxel spacings.
-    cell_size: [f64; 3],
+    pub(super) cell_size: [f64; 3],
     /// Value per cell, x fastest; NaN where missing.
     pub(super) values: Vec<f64>,
     /// Gradient magnitude per cell, value per voxel; NaN where missing.
@@ -80,7 +80,7 @@ impl Survey {
     }
 
     /// Values along each line of cells parallel to an axis.
-    fn rays(&self, axis: usize) -> impl Iterator<Item = impl Iterator<Item = f64> + Clone> {
+    pub(super) fn rays(&self, axis: usize) -> impl Iterator<Item = impl Iterator<Item = f64> + Clone> {
         let strides = [1, self.cells[0], self.cells[0] * self.cells[1]];
         let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
         (0..self.cells[a] * self.cells[b]).map(move |ray| {
