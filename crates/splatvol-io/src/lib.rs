@@ -61,6 +61,7 @@ pub use item::read_item;
 pub use key_store::{ByteRange, KeyStore, too_many_bytes};
 pub use mesh::plot3d::is_plot3d_pair;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
+pub use points::around_local_origin;
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
 pub use points::triangles::surfels_of_triangles;

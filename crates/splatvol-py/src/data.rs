@@ -196,7 +196,7 @@ impl Data {
         })
     }
 
-    /// Points of surfaces: rows of float32 x y z, uint8 red green blue opacity, float32 normals, float32 radii. Triangles,
+    /// Points of surfaces: rows of float64 x y z, uint8 red green blue opacity, float32 normals, float32 radii. Triangles,
     /// rows of three uint32 indices, make the points corners of a surface.
     #[staticmethod]
     #[pyo3(signature = (positions, colors = None, normals = None, radii = None, triangles = None))]
@@ -212,7 +212,8 @@ impl Data {
             normals: normals.map_or_else(|| Ok(Vec::new()), array::rows::<f32, 3>)?,
             radii: radii.map_or_else(|| Ok(Vec::new()), array::numbers::<f32>)?,
         };
-        let points = Points::new(array::rows(positions)?, attributes, DAffine3::IDENTITY);
+        let (positions, world_from_local) = splatvol_io::around_local_origin(&array::rows(positions)?);
+        let points = Points::new(positions, attributes, world_from_local);
         let mut points = points.map_err(Raise::raised)?;
         if let Some(triangles) = triangles {
             let corners = array::rows::<u32, 3>(triangles)?;
@@ -221,7 +222,7 @@ impl Data {
         Ok(Self::new(splatvol_io::Data::Points(points)))
     }
 
-    /// 3-D Gaussians: rows of float32 means, standard deviations, quaternions x y z w, opacities, and spherical harmonics, of each
+    /// 3-D Gaussians: rows of float64 means, of float32 standard deviations, quaternions x y z w, opacities, and spherical harmonics, of each
     /// Gaussian `(degree + 1)^2` rows of red, green, blue.
     #[staticmethod]
     fn gaussians(
@@ -232,20 +233,21 @@ impl Data {
         harmonics: (u32, Bound<'_, PyAny>),
     ) -> PyResult<Self> {
         let (degree, coefficients) = harmonics;
+        let (local, world_from_local) = splatvol_io::around_local_origin(&array::rows(means)?);
         let attributes = GaussianAttributes {
-            means: array::rows(means)?,
+            means: local,
             scales: array::rows(scales)?,
             rotations: array::rows(rotations)?,
             opacities: array::numbers(opacities)?,
             harmonics: array::rows(&coefficients)?,
         };
-        let gaussians = Gaussians::new(attributes, degree, DAffine3::IDENTITY);
+        let gaussians = Gaussians::new(attributes, degree, world_from_local);
         Ok(Self::new(splatvol_io::Data::Gaussians(
             gaussians.map_err(Raise::raised)?,
         )))
     }
 
-    /// A mesh: rows of float32 x y z; cells by VTK's types (uint8), offsets (one more than cells) and points (uint32); float32
+    /// A mesh: rows of float64 x y z; cells by VTK's types (uint8), offsets (one more than cells) and points (uint32); float32
     /// values of points, or of cells.
     #[staticmethod]
     fn mesh(
@@ -271,13 +273,8 @@ impl Data {
             values: array::numbers(values)?,
         };
         let topology = Topology::Unstructured(cells);
-        let mesh = Mesh::new(
-            array::rows(positions)?,
-            topology,
-            Vec::new(),
-            field,
-            DAffine3::IDENTITY,
-        );
+        let (positions, world_from_local) = splatvol_io::around_local_origin(&array::rows(positions)?);
+        let mesh = Mesh::new(positions, topology, Vec::new(), field, world_from_local);
         Ok(Self::new(splatvol_io::Data::Mesh(mesh.map_err(Raise::raised)?)))
     }
 

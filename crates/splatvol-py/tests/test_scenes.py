@@ -283,6 +283,28 @@ def test_info_and_lists() -> None:
     assert "head" in sv.samples() and "viridis" in sv.colormaps()
 
 
+@pytest.mark.parametrize("kind", ["points", "gaussians", "mesh"])
+def test_places_far_from_zero_keep_their_digits(kind: str) -> None:
+    near = np.random.default_rng(5).integers(-500, 500, (60, 3)) / 256.0
+    cells = np.random.default_rng(6).integers(0, 60, (40, 4))
+    cells = [cell for cell in cells if len(set(cell)) == 4]
+
+    def picture(places: np.ndarray) -> np.ndarray:
+        if kind == "points":
+            data: sv.Data = sv.Points(places, radius=0.1)
+        elif kind == "gaussians":
+            quats = np.tile([1.0, 0.0, 0.0, 0.0], (60, 1))
+            data = sv.Gaussians(places, quats, np.full((60, 3), 0.1), 0.8, colors=np.full((60, 3), 0.7))
+        else:
+            data = sv.Mesh(places, cells, np.arange(60.0))
+        return np.asarray(sv.render(data, size=64)).astype(int)
+
+    # A town in UTM: a float32 there is half a metre.
+    far = picture(near + [500_000.0, 5_400_000.0, 300.0])
+    assert far[..., 3].max() > 0 and np.ptp(far[..., :3]) > 20
+    assert np.abs(far - picture(near)).max() <= 2
+
+
 def test_points_gaussians_and_meshes_of_arrays() -> None:
     random = np.random.default_rng(3)
     xyz = random.normal(size=(400, 3))

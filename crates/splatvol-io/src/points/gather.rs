@@ -115,15 +115,14 @@ impl Gather {
         if origin != DVec3::ZERO {
             description.orientation = format!("{}local origin {origin}", separated(&description.orientation));
         }
-        let local = |p: &[f64; 3]| (DVec3::from_array(*p) - origin).as_vec3().to_array();
-        let positions = self.positions.iter().map(local).collect();
+        let (positions, world_from_local) = around(origin, &self.positions);
         let attributes = PointAttributes {
             colors,
             normals: self.normals,
             radii: self.radii,
         };
-        let points = Points::new(positions, attributes, DAffine3::from_translation(origin))
-            .map_err(|error| context.scene(error))?;
+        let points =
+            Points::new(positions, attributes, world_from_local).map_err(|error| context.scene(error))?;
         Ok(LoadedPoints {
             points,
             description,
@@ -202,6 +201,17 @@ fn separated(text: &str) -> String {
     } else {
         format!("{text}; ")
     }
+}
+
+/// Positions in 32 bits around an origin of their own, where they lie far from zero, and the way back.
+pub fn around_local_origin(positions: &[[f64; 3]]) -> (Vec<[f32; 3]>, DAffine3) {
+    around(local_origin(positions), positions)
+}
+
+fn around(origin: DVec3, positions: &[[f64; 3]]) -> (Vec<[f32; 3]>, DAffine3) {
+    let local = |p: &[f64; 3]| (DVec3::from_array(*p) - origin).as_vec3().to_array();
+    let positions = positions.iter().map(local).collect();
+    (positions, DAffine3::from_translation(origin))
 }
 
 /// The middle of coordinates that are large compared with the cloud, else zero.

@@ -26,6 +26,8 @@ mod scalar_colors;
 pub mod text;
 pub mod triangles;
 
+pub use gather::around_local_origin;
+
 use std::path::Path;
 
 use glam::DVec3;

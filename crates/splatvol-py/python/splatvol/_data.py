@@ -379,7 +379,8 @@ class Points(Data):
     """Points of surfaces: rows of x y z, and where known colours, normals, and radii above 0.
 
     `rgb` are rows of red, green, blue, and opacity where there are four: whole numbers from 0 to 255, uint16 up to
-    65535 if colours above 255 occur (as in LAS files), or numbers from 0 to 1. Coordinates are kept in 32 bits.
+    65535 if colours above 255 occur (as in LAS files), or numbers from 0 to 1. Coordinates are
+    kept in 32 bits, around an origin of their own where they lie far from zero.
 
     `triangles`, rows of three indices of points, make them the corners of a surface: it becomes discs of the triangles'
     own places, sizes and normals, with colours and normals interpolated between the corners.
@@ -406,7 +407,7 @@ class Points(Data):
         triangles: Any = None,
         name: str | None = None,
     ) -> None:
-        positions = _rows(xyz, 3, "xyz")
+        positions = _places(xyz, "xyz")
         count = len(positions)
         colors = None if rgb is None else _colors(rgb, count)
         normals = None if normal is None else _rows(normal, 3, "normal", count)
@@ -450,7 +451,7 @@ class Gaussians(Data):
         colors: Any = None,
         name: str | None = None,
     ) -> None:
-        means = _rows(means, 3, "means")
+        means = _places(means, "means")
         count = len(means)
         if (sh is None) == (colors is None):
             raise InvalidValue("colors: write either colors or sh", field="colors")
@@ -492,7 +493,7 @@ class Mesh(Data):
     """
 
     def __init__(self, points: Any, cells: Any, values: Any, *, types: Any = None, name: str = "values") -> None:
-        positions = _rows(points, 3, "points")
+        positions = _places(points, "points")
         lists = [_indices(cell, len(positions)) for cell in cells]
         if types is None:
             known = {4: 10, 5: 14, 6: 13, 8: 12}
@@ -515,6 +516,13 @@ class Mesh(Data):
     def __repr__(self) -> str:
         known = self._describe()
         return f"<splatvol.Mesh {self.name!r} {known['count']} cells {known['points']} points>"
+
+
+def _places(values: Any, field: str) -> npt.NDArray[np.float64]:
+    places: npt.NDArray[np.float64] = _arrays.numbers(values, np.float64, field)
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise InvalidValue(f"{field}: its shape {places.shape} is not (count, 3)", field=field)
+    return places
 
 
 def _rows(values: Any, width: int, field: str, count: int | None = None) -> npt.NDArray[np.float32]:
