@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | maxima | the least value | the largest; where all but one value in ten thousand lie in the lower half, what these reach |
 //! | minima, means | what one ray in two hundred is below | what one in two hundred is above |
-//! | X-ray | white; extinction grows with the value above the background | one ray in a hundred keeps less than `exp(-3)` of its light |
+//! | X-ray | white; extinction grows with the value above the background | one ray in a hundred keeps less than `exp(-1.5)` of its light |
 //!
 //! Rays are those of the [`survey`](super::survey), along the axes. Where all of them show the same the whole range is shown.
 
@@ -20,7 +20,7 @@ const STRAY_RAYS: f64 = 5e-3;
 /// Share of the rays of an X-ray that are denser than [`DENSE`].
 const DENSEST: f64 = 0.01;
 /// Optical depth of these.
-const DENSE: f64 = 3.0;
+const DENSE: f64 = 1.5;
 /// Points of a curve of opacity.
 const POINTS: u32 = 16;
 /// Air, Hounsfield units.
@@ -158,12 +158,12 @@ mod tests {
     }
 
     #[test]
-    fn an_x_ray_through_the_densest_keeps_a_twentieth_of_its_light() {
+    fn an_x_ray_through_the_densest_keeps_a_fifth_of_its_light() {
         for (inside, outside) in [(100.0, 0.0), (1000.0, -1000.0), (0.02, 0.01)] {
             let volume = ball(inside, outside, inside);
             let look = TransferFunction::automatic_projection(&volume, Compositing::Xray).unwrap();
             let through = 24.0 * look.extinction(f64::from(inside), 1.0);
-            assert!((2.7..3.3).contains(&through), "{inside}: {through}");
+            assert!((1.35..1.65).contains(&through), "{inside}: {through}");
             assert!(look.extinction(f64::from(outside), 1.0) < 1e-3 * through);
             let half = f64::from(0.5 * (inside + outside));
             let share = look.extinction(half, 1.0) * 24.0 / through;
