@@ -300,7 +300,7 @@ def test_places_far_from_zero_keep_their_digits(kind: str) -> None:
         return np.asarray(sv.render(data, size=64)).astype(int)
 
     # A town in UTM: a float32 there is half a metre.
-    far = picture(near + [500_000.0, 5_400_000.0, 300.0])
+    far = picture(near + np.array([500_000.0, 5_400_000.0, 300.0]))
     assert far[..., 3].max() > 0 and np.ptp(far[..., :3]) > 20
     assert np.abs(far - picture(near)).max() <= 2
 
