@@ -103,7 +103,7 @@ impl ChunkMemory {
         let enough = taken + least + least / 2;
         let lent = pyramid.lend(levels.clone(), field);
         pyramid
-            .give(levels.end - 1, samples)
+            .give(levels, samples)
             .map_err(|_| too_small(volume, enough, needs))?;
         Ok(Some(Self {
             _picture: budget

@@ -1,4 +1,5 @@
-//! Levels of detail: the volume, with more samples where its voxels are long ([`finest_grid`]), and its halves, each with the data that a transfer function needs.
+//! Levels of detail: the volume, with more samples where its voxels are long ([`refine`]), and its halves, each with the
+//! data that a transfer function needs.
 //!
 //! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
 //! an octave of a change both levels are rendered and blended, so that the change is invisible. Where scale changes much
@@ -10,6 +11,7 @@
 
 mod by_depth;
 mod means;
+mod memory;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,11 +21,11 @@ use crate::engine::RenderStatistics;
 use crate::field::{FieldStore, FieldWork, SourceLevel, survey};
 use crate::kernel::GaussianKernel;
 use crate::mip;
-use crate::refine;
+use crate::refine::{self, LongLevel};
 use crate::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, ChunkedVolume, Classification, Frame, Grid, ImageSize, Kernel, OverBudget, RenderSettings,
-    SampleSource, SceneError, SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
+    Camera, Classification, Frame, Grid, ImageSize, Kernel, RenderSettings, SampleSource, SceneError,
+    SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
 };
 
 pub use by_depth::{LevelUntil, by_depth};
@@ -35,11 +37,6 @@ use crate::shade_table::ShadeTable;
 const FINEST: f64 = 0.8;
 /// Octaves over which two levels are blended.
 const BLEND: f64 = 0.25;
-
-/// The grid of the finest samples that are drawn of a volume: its own, or a finer one where its voxels are long.
-pub fn finest_grid(volume: &Volume, settings: &RenderSettings<SheetSettings>) -> Grid {
-    refine::finest_grid(volume, settings)
-}
 
 /// Which voxels a picture needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -293,7 +290,8 @@ impl Pyramid {
     /// Whether the levels are this volume's, for the kernel of these settings.
     pub fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
         let same = self.kernel == settings.method.kernel && self.prefilter == interpolates(settings);
-        let refines = self.refines == refine::applies(settings) || !refine::is_long(self.own[0].grid());
+        let is_long = || (0..self.own.len()).any(|number| LongLevel::of(&self.own, number).is_some());
+        let refines = self.refines == refine::applies(settings) || !is_long();
         let (own, _) = self.own[0].of();
         same && refines && std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(&volume.source()))
     }
@@ -318,14 +316,13 @@ impl Pyramid {
         while self.sources.len() <= level {
             let number = self.sources.len();
             let (before, made) = match self.own.get(number) {
-                Some(own) if self.refines => {
-                    survey(own, &AtomicBool::new(false))?;
-                    (
-                        own,
-                        refine::refined(own).map(|finer| finer.unwrap_or_else(|| own.clone())),
-                    )
-                }
-                Some(own) => (own, Ok(own.clone())),
+                Some(own) => match LongLevel::of(&self.own, number).filter(|_| self.refines) {
+                    Some(long) => {
+                        survey(own, &AtomicBool::new(false))?;
+                        (own, long.refined())
+                    }
+                    None => (own, Ok(own.clone())),
+                },
                 None => {
                     let last = &self.sources[number - 1];
                     survey(last, &AtomicBool::new(false))?;
@@ -470,91 +467,10 @@ impl Pyramid {
             slot.take_if(|level| level.field.failure().is_some());
         }
     }
-
-    /// Divides bytes for samples among the chunks from which a level is read: its own, and where these are means of finer
-    /// ones, those of the volume. Others keep none.
-    ///
-    /// # Errors
-    /// More bytes than the budget has left.
-    pub(crate) fn give(&self, level: usize, samples: u64) -> Result<(), OverBudget> {
-        // Those of which the level is made, the volume itself first, and it last.
-        let mut chain: Vec<&SourceLevel> = vec![&self.own[level.min(self.finest())]];
-        chain.extend(self.sources[level.min(self.finest())..=level].iter());
-        let mut chain: Vec<&ChunkedVolume> = chain.into_iter().filter_map(SourceLevel::chunks).collect();
-        chain.dedup_by(|a, b| std::ptr::eq(*a, *b));
-        let finer = chain.len().saturating_sub(1) as u64;
-        let share = |chunks: &ChunkedVolume| match chain.iter().position(|of| std::ptr::eq(*of, chunks)) {
-            None => 0,
-            Some(at) if at as u64 == finer && finer > 0 => samples - samples / MADE_OF,
-            Some(at) if at as u64 == finer => samples,
-            Some(_) => samples / MADE_OF / finer,
-        };
-        let own = self.own[0].chunks();
-        let all: Vec<_> = own
-            .into_iter()
-            .chain(self.made().filter_map(SourceLevel::chunks))
-            .collect();
-        // Those that get less leave room for the others.
-        for chunks in &all {
-            let _ = chunks.source().resize(share(chunks));
-        }
-        all.iter()
-            .try_for_each(|chunks| chunks.source().resize(share(chunks)))
-    }
-
-    /// Bytes of the largest chunk, and of a sample in chunks, of these levels and of what they are made of.
-    pub(crate) fn largest_chunk(&self, levels: std::ops::Range<usize>) -> (u64, u64) {
-        let own = self.own[..1].iter().chain(&self.sources[levels]);
-        own.filter_map(|level| Some(level.chunks()?.layout(level.of().1)))
-            .map(|layout| {
-                let element = layout.element.size() as u64;
-                let chunk = layout.chunk.iter().map(|&edge| edge as u64).product::<u64>();
-                (chunk * element, element)
-            })
-            .fold((0, 0), |(chunk, element), own| {
-                (chunk.max(own.0), element.max(own.1))
-            })
-    }
-
-    /// Frees all that pictures have left, where samples are read in chunks, but for those themselves: another pyramid of
-    /// the same volume may need their memory.
-    pub fn rest(&self) {
-        self.free_solved();
-        for chunks in self.made().filter_map(SourceLevel::chunks) {
-            // No bytes are always granted.
-            let _ = chunks.source().resize(0);
-        }
-    }
-
-    /// Frees what all levels have solved, where they are solved as pictures need them.
-    pub(crate) fn free_solved(&self) {
-        self.lend(0..0, 0);
-    }
-
-    /// Lets the levels beside these keep what they have solved, of so many bytes for all of them: the finer one three
-    /// quarters of them at most, the coarser one, which has a quarter of its voxels at a surface, one quarter. Others are
-    /// freed. The bytes that are kept.
-    pub(crate) fn lend(&self, levels: std::ops::Range<usize>, bytes: u64) -> u64 {
-        let mut kept = 0;
-        for (at, level) in self.levels.iter().enumerate() {
-            let most = match at {
-                _ if levels.contains(&at) => continue,
-                _ if at + 1 == levels.start => bytes / 4 * 3,
-                _ if at == levels.end => bytes / 4,
-                _ => 0,
-            };
-            if let Some(level) = level {
-                kept += level.field.keep_at_most(most);
-            }
-        }
-        kept
-    }
 }
 
 /// Share of a budget that a half of a level in chunks, and what is derived from it, may take.
 const HALF_SHARE: u64 = 4;
-/// Part of the bytes for samples that those get of which a level's own are made.
-const MADE_OF: u64 = 4;
 /// Bytes that a sample of such a half takes: itself, and its coefficient.
 const HALF_BYTES: u64 = 6;
 

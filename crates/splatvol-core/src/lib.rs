@@ -8,8 +8,8 @@
 //!
 //! | stage | module | from | to |
 //! |---|---|---|---|
-//! | refine | `refine`, by `resample` | samples of long voxels | samples of nearly cubic ones |
-//! | halve | [`mip`], by `resample` | samples | samples of half the resolution |
+//! | refine | [`refine`] | samples of long voxels | samples of nearly cubic ones |
+//! | halve | [`mip`] | samples | samples of half the resolution |
 //! | select | [`visibility`] | tables | ranges of values that can be seen |
 //! | solve | [`field`] | samples, region by region | needed voxels and their coefficients |
 //! | plan | [`plan`], with [`footprint`] and [`sheets`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
@@ -60,7 +60,7 @@ pub mod points;
 mod prefilter;
 pub mod prepared;
 pub mod radial;
-mod refine;
+pub mod refine;
 mod resample;
 pub mod scene_cloud;
 pub mod shade_table;

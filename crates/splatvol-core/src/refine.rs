@@ -43,29 +43,49 @@ pub(crate) fn applies(settings: &RenderSettings<SheetSettings>) -> bool {
 }
 
 /// The grid of the finest samples that are drawn of a volume.
-pub(crate) fn finest_grid(volume: &Volume, settings: &RenderSettings<SheetSettings>) -> Grid {
+pub fn finest_grid(volume: &Volume, settings: &RenderSettings<SheetSettings>) -> Grid {
     let own = volume.finest_grid();
     let refined = match applies(settings) && volume.statistics().non_finite == 0 {
-        true => Finer::of(own),
+        true => Finer::of(own, 0.0),
         false => None,
     };
     refined.map_or_else(|| own.clone(), |finer| finer.grid)
 }
 
-/// Whether a grid has long axes.
-pub(crate) fn is_long(grid: &Grid) -> bool {
-    Finer::of(grid).is_some()
+/// A source's own level, if its voxels are long, to be refined. A level that is coarser along some axes alone is not: voxels as long as
+/// those of its octave should be stay what they are.
+#[derive(Debug)]
+pub(crate) struct LongLevel<'a> {
+    source: &'a SourceLevel,
+    finer: Finer,
 }
 
-/// A level with more samples along its long axes; `None` where it has none, or samples are missing.
-///
-/// # Errors
-/// Samples that cannot be read.
-pub(crate) fn refined(source: &SourceLevel) -> Result<Option<SourceLevel>, SceneError> {
+impl<'a> LongLevel<'a> {
+    /// A level, of those of a source; `None` where its voxels are not long.
+    pub(crate) fn of(levels: &'a [SourceLevel], number: usize) -> Option<Self> {
+        let source = &levels[number];
+        let octave = smallest_spacing(levels[0].grid()) * libm::exp2(number as f64);
+        let least = if number == 0 { 0.0 } else { octave };
+        Some(Self {
+            source,
+            finer: Finer::of(source.grid(), least)?,
+        })
+    }
+
+    /// The level with more samples, itself where samples are missing. It must have been surveyed.
+    ///
+    /// # Errors
+    /// Samples that cannot be read.
+    pub(crate) fn refined(&self) -> Result<SourceLevel, SceneError> {
+        match self.source.statistics().non_finite {
+            0 => refined(self.source, &self.finer),
+            _ => Ok(self.source.clone()),
+        }
+    }
+}
+
+fn refined(source: &SourceLevel, finer: &Finer) -> Result<SourceLevel, SceneError> {
     let statistics = source.statistics();
-    let Some(finer) = Finer::of(source.grid()).filter(|_| statistics.non_finite == 0) else {
-        return Ok(None);
-    };
     let taps = finer.taps(source.grid().dims());
     let resampling = Resampling::new(source, finer.grid.clone(), taps)?;
     let mut survey = Survey {
@@ -92,7 +112,14 @@ pub(crate) fn refined(source: &SourceLevel) -> Result<Option<SourceLevel>, Scene
             made
         }
     };
-    Ok(Some(SourceLevel::new(made, 0)))
+    Ok(SourceLevel::new(made, 0))
+}
+
+/// The smallest distance of samples along an axis with several.
+fn smallest_spacing(grid: &Grid) -> f64 {
+    let spacing = grid.spacing().to_array();
+    let axes = (0..3).filter(|&axis| grid.dims()[axis] > 1);
+    axes.map(|axis| spacing[axis]).fold(f64::INFINITY, f64::min)
 }
 
 /// A grid with more samples along long axes, in the same box.
@@ -104,11 +131,10 @@ struct Finer {
 }
 
 impl Finer {
-    /// `None` where no axis is long.
-    fn of(own: &Grid) -> Option<Self> {
+    /// `None` where no axis is long, compared with the smallest spacing, or a larger one.
+    fn of(own: &Grid, least: f64) -> Option<Self> {
         let (dims, spacing) = (own.dims(), own.spacing().to_array());
-        let axes = (0..3).filter(|&axis| dims[axis] > 1);
-        let least = axes.map(|axis| spacing[axis]).fold(f64::INFINITY, f64::min);
+        let least = smallest_spacing(own).max(least);
         let mut factors: [usize; 3] = std::array::from_fn(|axis| {
             let ratio = spacing[axis] / least;
             match dims[axis] > 1 && ratio >= LONG - ROUNDING {
@@ -284,6 +310,34 @@ mod tests {
         Arc::new(volume).into()
     }
 
+    fn refined(level: &SourceLevel) -> SourceLevel {
+        let levels = [level.clone()];
+        LongLevel::of(&levels, 0).unwrap().refined().unwrap()
+    }
+
+    #[test]
+    fn levels_that_are_coarser_along_some_axes_stay_as_coarse() {
+        let levels = |spacings: &[[f64; 3]]| -> Vec<Option<[usize; 3]>> {
+            let level = |spacing: &[f64; 3]| {
+                let own = grid([8, 9, 10], *spacing);
+                source(&own, Samples::F32(vec![1.0; 720].into()))
+            };
+            let all: Vec<SourceLevel> = spacings.iter().map(level).collect();
+            let factors = |number| LongLevel::of(&all, number).map(|long| long.finer.factors);
+            (0..all.len()).map(factors).collect()
+        };
+        // A stack of slices that is halved within them: the first levels are refined across, none within.
+        let stack = [
+            [0.2, 0.2, 1.0],
+            [0.4, 0.4, 1.0],
+            [0.8, 0.8, 1.0],
+            [3.2, 3.2, 1.0],
+            [6.4, 6.4, 1.0],
+        ];
+        let expected = [Some([1, 1, 4]), Some([1, 1, 2]), None, None, None];
+        assert_eq!(levels(&stack), expected);
+    }
+
     fn values(of: &SourceLevel) -> Vec<f64> {
         let mut memory = None;
         let block = of.read(VoxelBox::whole(of.grid()), &mut memory).unwrap();
@@ -308,7 +362,7 @@ mod tests {
             ([2, 2, 5000], [1.0, 1.0, 1e4], Some([1, 1, 13])),
         ] {
             let own = grid(dims, spacing);
-            let found = Finer::of(&own);
+            let found = Finer::of(&own, 0.0);
             assert_eq!(found.as_ref().map(|finer| finer.factors), factors, "{spacing:?}");
             if let Some(finer) = found {
                 for (a, b) in own.corners().iter().zip(finer.grid.corners()) {
@@ -324,7 +378,7 @@ mod tests {
         let cubic = |z: f64| 2.0 + 0.3 * z + 0.05 * z * z - 0.001 * z * z * z;
         let data: Vec<f64> = (0..144).map(|i| cubic((i / 6) as f64)).collect();
         let level = source(&own, Samples::F64(data.into()));
-        let finer = refined(&level).unwrap().unwrap();
+        let finer = refined(&level);
         assert_eq!(finer.grid().dims(), [3, 2, 72]);
         for (i, value) in values(&finer).into_iter().enumerate() {
             let z = ((i / 6) as f64 + 0.5) / 3.0 - 0.5;
@@ -337,7 +391,7 @@ mod tests {
             .map(|_| if random.unit() < 0.5 { 10 } else { 200 })
             .collect();
         let level = source(&own, Samples::U8(data.into()));
-        let finer = refined(&level).unwrap().unwrap();
+        let finer = refined(&level);
         let found = values(&finer);
         assert!(found.iter().all(|value| (10.0..=200.0).contains(value)));
         assert!(found.contains(&10.0) && found.contains(&200.0));
@@ -349,11 +403,8 @@ mod tests {
         let own = grid([3, 2, 24], [1.0, 1.0, 4.0]);
         let mut data = vec![1.0f32; 144];
         data[7] = f32::NAN;
-        assert!(
-            refined(&source(&own, Samples::F32(data.into())))
-                .unwrap()
-                .is_none()
-        );
+        let level = source(&own, Samples::F32(data.into()));
+        assert!(Arc::ptr_eq(refined(&level).of().0, level.of().0));
     }
 
     #[test]

@@ -4,8 +4,9 @@ use std::sync::{Arc, Weak};
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::engine::Shot;
-use splatvol_core::level::{Detail, VolumeLook, Wanted, finest_grid};
+use splatvol_core::level::{Detail, VolumeLook, Wanted};
 use splatvol_core::plan::Sampling;
+use splatvol_core::refine::finest_grid;
 use splatvol_core::scene_cloud;
 use splatvol_core::shade_table::ShadeTable;
 use splatvol_core::visibility::VisibleLevels;

@@ -15,8 +15,9 @@
 use glam::DVec3;
 use splatvol_scene::{Camera, Grid, ImageSize, RenderSettings, SceneError, SheetSettings, Volume};
 
-use super::{FINEST, Pyramid, finest_grid, most_halves};
+use super::{FINEST, Pyramid, most_halves};
 use crate::plan::{Sampling, Segment, behind_each_other};
+use crate::refine::finest_grid;
 
 /// Ratio of the largest to the smallest scale of a volume from which on its levels are chosen by depth.
 const CHANGE: f64 = 3.0;

@@ -8,8 +8,9 @@
 
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
-use splatvol_core::level::{Detail, Wanted, blend, finest_grid};
+use splatvol_core::level::{Detail, Wanted, blend};
 use splatvol_core::plan::Segment;
+use splatvol_core::refine::finest_grid;
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::engine::{SheetEngine, sampling};
