@@ -283,6 +283,30 @@ def test_info_and_lists() -> None:
     assert "head" in sv.samples() and "viridis" in sv.colormaps()
 
 
+def test_none_leaves_camera_and_clips_open_again() -> None:
+    scene = sv.Scene("sample:head:16", size=24)
+    chosen = np.asarray(scene.render())
+    scene.set(camera=sv.Camera((90, 20, 10), (0, 0, 0), (0, 0, 1)), clip=sv.Clip.plane((0, 0, 0), (1, 0, 0)))
+    assert (np.asarray(scene.render()) != chosen).any()
+    scene.set(clip=None, camera=None)
+    np.testing.assert_array_equal(np.asarray(scene.render()), chosen)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"fov": "x"}, "fov: 'x' is not allowed, expected a number"),
+        ({"bits": "x"}, "bits: 'x' is not allowed, expected a whole number"),
+        ({"visible": 3}, "visible: 3 is not allowed, expected True or False"),
+    ],
+)
+def test_refusals_name_no_types_of_rust(options: dict[str, object], words: str) -> None:
+    with pytest.raises(sv.InvalidValue) as error:
+        sv.render("sample:head:16", size=8, **options)
+    assert str(error.value).startswith(words)
+    assert not any(name in str(error.value) for name in ("f64", "u32", "invalid type"))
+
+
 @pytest.mark.parametrize("kind", ["points", "gaussians", "mesh"])
 def test_places_far_from_zero_keep_their_digits(kind: str) -> None:
     near = np.random.default_rng(5).integers(-500, 500, (60, 3)) / 256.0

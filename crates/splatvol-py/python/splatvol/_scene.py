@@ -335,12 +335,21 @@ class Scene:
         keys = document_of(options, None)
         if "item" in keys:
             raise InvalidValue("looks are the items': scene.items[0].set(...)", field="item")
-        for name, value in options.items():
-            if value is None and name not in OWN:
-                table, key = keywords()[name]
-                (self._document.get(table, {}) if table else self._document).pop(key, None)
+        for name in (name for name, value in options.items() if value is None):
+            self._open(name)
         self._merge(keys)
         return self
+
+    def _open(self, name: str) -> None:
+        """Forgets what a keyword said."""
+        if name == "camera":
+            self._document.pop("camera", None)
+        elif name == "clip":
+            for key in ("clip-box", "clip-plane"):
+                self._document.get("effects", {}).pop(key, None)
+        elif name not in OWN:
+            table, key = keywords()[name]
+            (self._document.get(table, {}) if table else self._document).pop(key, None)
 
     def render(
         self,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import functools
 import json
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -101,8 +102,22 @@ def checked(name: str, value: Any) -> Any:
         raise InvalidValue(f"{name}: {value!r} is not allowed", field=name, value=repr(value)) from None
     why = _core.refusal(table, key, text)
     if why is not None:
-        raise InvalidValue(f"{name}: {why}", field=name, value=repr(value))
+        raise InvalidValue(f"{name}: {_in_words(why, value)}", field=name, value=repr(value))
     return value
+
+
+#: What a value should be, by Rust's types.
+_TYPES = {"f32": "a number", "f64": "a number", "a boolean": "True or False", "a sequence": "a list"}
+
+
+def _in_words(why: str, value: Any) -> str:
+    """A refusal without names of Rust's types."""
+    found = re.fullmatch(r"[][\w.-]+: invalid type: .*, expected (.+)", why)
+    if found is None:
+        return why
+    wanted = found[1]
+    is_whole = re.fullmatch(r"[ui](8|16|32|64|size)", wanted)
+    return f"{value!r} is not allowed, expected {'a whole number' if is_whole else _TYPES.get(wanted, wanted)}"
 
 
 def is_allowed(name: str, text: str) -> bool:
