@@ -10,8 +10,10 @@ use rayon::prelude::*;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{TransferFunction, Volume, with_samples};
 
-/// Least opacity per unit distance at which a voxel counts as seen: this, or this share of the largest one.
+/// Least opacity per unit distance at which a voxel counts as seen: this, or this share of the largest one...
 const SEEN: [f64; 2] = [0.004, 0.01];
+/// ...but no more than this share, where all of it is faint, as in X-rays.
+const SEEN_OF_FAINT: f64 = 0.04;
 /// A slice with less than this share of the fullest slice's opacity may be a speck's...
 const SPECK: f64 = 0.005;
 /// ...if leaving such slices out shortens the object by more than this share at one end.
@@ -140,13 +142,15 @@ impl SeenValues {
             .map(|i| transfer_function.opacity(low + step * i as f64))
             .collect();
         let [least, share] = SEEN;
-        let least = opacities.iter().fold(least, |least, o| least.max(share * o));
+        let largest = opacities.iter().copied().fold(0.0, f64::max);
+        let least = least.min(SEEN_OF_FAINT * largest).max(share * largest);
         Self {
             weights: opacities
                 .iter()
                 .map(|&opacity| {
-                    if opacity >= least {
-                        (opacity * f64::from(u16::MAX)) as u16
+                    if opacity > 0.0 && opacity >= least {
+                        // The least counts, however faint.
+                        ((opacity * f64::from(u16::MAX)) as u16).max(1)
                     } else {
                         0
                     }
@@ -239,6 +243,27 @@ mod tests {
         assert_eq!(low, DVec3::new(-1.5, -2.0, -0.5));
         assert_eq!(high, DVec3::new(1.5, 2.0, 1.5));
         assert_eq!(visible_outline(&volume, &from(11.0)), volume.grid().corners());
+    }
+
+    #[test]
+    fn faint_material_is_seen_to_its_end() {
+        let data: Vec<f32> = (0..1000).map(|i| (i % 10) as f32).collect();
+        let grid = Grid::centred([10; 3], DVec3::ONE).unwrap();
+        let volume = Volume::new(
+            grid,
+            Samples::F32(data.into()),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap();
+        for opacity in [1e-5, 1e-3, 0.02] {
+            let ramp = vec![OpacityPoint::new(0.0, 0.0), OpacityPoint::new(9.0, opacity)];
+            let look = TransferFunction::new(vec![ColorPoint::new(0.0, [1.0; 3])], ramp, None).unwrap();
+            let outline = visible_outline(&volume, &look);
+            let low = outline.iter().copied().reduce(DVec3::min).unwrap();
+            // All values but 0, in the first slice.
+            assert_eq!(low.x, -4.0, "{opacity}");
+        }
     }
 
     #[test]
