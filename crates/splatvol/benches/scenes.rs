@@ -12,8 +12,9 @@ use std::sync::Arc;
 use divan::Bencher;
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Content, EngineConfig, Frame, GaussianAttributes, GaussianMode, Gaussians, ImageSize, Item,
-    PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Scene, View,
+    Camera, Content, EngineConfig, Frame, GaussianAttributes, GaussianMode, Gaussians, Grid, ImageSize, Item,
+    LengthUnit, PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Rescale, Samples,
+    Scene, View, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::Random;
@@ -25,6 +26,21 @@ fn main() {
 fn head() -> Item {
     let volume = Sample::Head.generate(Some(SampleSize::Longest(128))).unwrap();
     Item::volume(volume, Sample::Head.default_transfer_function().unwrap())
+}
+
+/// Every eighth slice of the head: long voxels, which are refined.
+fn slices() -> Item {
+    const APART: usize = 8;
+    let volume = Sample::Head.generate(Some(SampleSize::Longest(128))).unwrap();
+    let [nx, ny, nz] = volume.grid().dims();
+    let slices = (0..nz).step_by(APART);
+    let dims = [nx, ny, slices.len()];
+    let values = slices.flat_map(|z| (z * nx * ny..(z + 1) * nx * ny).map(|i| volume.value(i) as f32));
+    let samples = Samples::F32(values.collect());
+    let spacing = volume.grid().spacing() * DVec3::new(1.0, 1.0, APART as f64);
+    let grid = Grid::centred(dims, spacing).unwrap();
+    let thick = Volume::new(grid, samples, Rescale::default(), LengthUnit::Millimetre).unwrap();
+    Item::volume(thick, Sample::Head.default_transfer_function().unwrap())
 }
 
 /// A sphere of this many surfels beside the head.
@@ -102,6 +118,11 @@ fn frames(bencher: Bencher<'_, '_>, items: Vec<Item>) {
 #[divan::bench]
 fn head_alone(bencher: Bencher<'_, '_>) {
     frames(bencher, vec![head()]);
+}
+
+#[divan::bench]
+fn slices_alone(bencher: Bencher<'_, '_>) {
+    frames(bencher, vec![slices()]);
 }
 
 #[divan::bench(args = [10_000, 100_000])]
