@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 use splatvol_scene::volume::Statistics;
 use splatvol_scene::{
-    Block, ChunkedVolume, Grid, MinMaxIndex, RenderSettings, Rescale, SampleSource, Samples, SceneError,
-    SheetSettings, Survey, Volume, VoxelBox,
+    Block, Grid, MinMaxIndex, RenderSettings, Rescale, SampleSource, Samples, SceneError, SheetSettings,
+    Survey, Volume, VoxelBox,
 };
 
 use crate::field::{SourceLevel, spread};
@@ -52,8 +52,8 @@ pub fn finest_grid(volume: &Volume, settings: &RenderSettings<SheetSettings>) ->
     refined.map_or_else(|| own.clone(), |finer| finer.grid)
 }
 
-/// A source's own level, if its voxels are long, to be refined. A level that is coarser along some axes alone is not: voxels as long as
-/// those of its octave should be stay what they are.
+/// A source's own level whose voxels are long. A spacing counts as at least that of the level's octave, so that a level that is
+/// coarser along some axes alone is not refined back.
 #[derive(Debug)]
 pub(crate) struct LongLevel<'a> {
     source: &'a SourceLevel,
@@ -278,10 +278,6 @@ impl SampleSource for Refined {
 
     fn bytes(&self) -> usize {
         SampleSource::bytes(&self.volume)
-    }
-
-    fn chunks(&self) -> Option<&ChunkedVolume> {
-        None
     }
 }
 
