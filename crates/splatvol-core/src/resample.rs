@@ -5,13 +5,14 @@
 //! Sums are in `f32`, of values less the smallest one.
 
 mod chunks;
+mod rows;
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
-use splatvol_scene::volume::widen;
-use splatvol_scene::{Block, Grid, LengthUnit, Rescale, Samples, SceneError, Volume, VoxelBox, with_samples};
+use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, SceneError, Volume, VoxelBox};
 
 use crate::field::SourceLevel;
+use rows::Rows;
 
 /// World coordinates of the voxels of a grid of other dims in the same box: cell edges meet at -1/2.
 pub(crate) fn world_from_new(own: &Grid, dims: [usize; 3]) -> DAffine3 {
@@ -22,6 +23,8 @@ pub(crate) fn world_from_new(own: &Grid, dims: [usize; 3]) -> DAffine3 {
 
 /// Old cells by which the edge of a new one may be off by rounding.
 const ROUNDING: f64 = 1e-9;
+/// New slices that are made together: most of their old ones are the same.
+const SLICES: usize = 8;
 /// Weight below which an old cell is only touched, by rounding.
 const TOUCHED: f64 = 1e-6;
 
@@ -77,15 +80,6 @@ pub(crate) struct Resampling {
     steps: Option<f64>,
 }
 
-/// Sums along x of one row of new samples: of values and, where samples may be missing, of weights.
-#[derive(Debug, Default)]
-struct Sums {
-    values: Vec<f32>,
-    weights: Vec<f32>,
-    /// The old sample at which they begin.
-    first: usize,
-}
-
 /// Type of new samples.
 trait NewSample: Copy + Send {
     /// A sample, given its value less the smallest.
@@ -93,12 +87,15 @@ trait NewSample: Copy + Send {
 }
 
 impl NewSample for u16 {
+    #[inline(always)]
     fn of(value: f32, resampling: &Resampling) -> Self {
-        (f64::from(value) * resampling.steps.unwrap_or(0.0)).round() as Self
+        // Negative numbers and those beyond the last step end at the limits of the type.
+        (f64::from(value) * resampling.steps.unwrap_or(0.0) + 0.5) as Self
     }
 }
 
 impl NewSample for f32 {
+    #[inline(always)]
     fn of(value: f32, resampling: &Resampling) -> Self {
         let [low, high] = resampling.range;
         let real = f64::from(value) + low;
@@ -185,14 +182,14 @@ impl Resampling {
 
     fn run<T: NewSample>(&self, data: &mut [T]) -> Result<(), SceneError> {
         let [nx, ny, _] = self.grid.dims();
-        data.par_chunks_mut(nx * ny)
+        data.par_chunks_mut(nx * ny * SLICES)
             .enumerate()
-            .try_for_each_init(Default::default, |memory, (z, slice)| {
+            .try_for_each_init(Default::default, |memory, (number, slices)| {
                 let region = VoxelBox {
-                    first: [0, 0, z],
-                    size: [nx, ny, 1],
+                    first: [0, 0, number * SLICES],
+                    size: [nx, ny, slices.len() / (nx * ny)],
                 };
-                self.region(region, slice, memory)
+                self.region(region, slices, memory)
             })
     }
 
@@ -205,15 +202,16 @@ impl Resampling {
     ) -> Result<(), SceneError> {
         let old = self.old_samples(region);
         let block = self.source.read(old, memory)?;
-        let mut sums = Sums {
-            values: vec![0.0; old.size[0]],
-            weights: vec![0.0; old.size[0]],
-            first: old.first[0],
-        };
-        for (number, row) in data.chunks_mut(region.size[0]).enumerate() {
-            let (y, z) = (number % region.size[1], number / region.size[1]);
-            sums.gather(self, &block, [region.first[1] + y, region.first[2] + z]);
-            sums.reduce(self, row, region.first[0]);
+        let mut rows = Rows::new(old);
+        let [nx, ny, nz] = region.size;
+        for y in 0..ny {
+            rows.convert(self, &block, region.first[1] + y);
+            for z in 0..nz {
+                let first = (z * ny + y) * nx;
+                let row = &mut data[first..first + nx];
+                rows.add_up(self, [region.first[1] + y, region.first[2] + z]);
+                rows.reduce(self, row, region.first[0]);
+            }
         }
         Ok(())
     }
@@ -244,52 +242,4 @@ fn is_narrow(source: &SourceLevel) -> Result<bool, SceneError> {
     let mut memory = None;
     let block = source.read(one, &mut memory)?;
     Ok(block.samples.bytes_per_sample() <= 2)
-}
-
-impl Sums {
-    /// Sums over the rows that a row of new samples covers.
-    fn gather(&mut self, resampling: &Resampling, block: &Block<'_>, [y, z]: [usize; 2]) {
-        let rescale = resampling.source.rescale();
-        let (slope, offset) = (rescale.slope, rescale.intercept - resampling.range[0]);
-        let missing = resampling.source.statistics().non_finite > 0;
-        self.values.fill(0.0);
-        self.weights.fill(0.0);
-        for (z, of_z) in resampling.taps[2][z].iter() {
-            for (y, of_y) in resampling.taps[1][y].iter() {
-                let weight = of_z * of_y;
-                with_samples!(block.samples, data => {
-                    let row = &block.of.row(data, [y, z])[self.first - block.of.first[0]..];
-                    if missing {
-                        let sums = self.values.iter_mut().zip(&mut self.weights);
-                        for ((value, sum), sample) in sums.zip(row) {
-                            let real = (widen(*sample) * slope + offset) as f32;
-                            if real.is_finite() {
-                                *value += weight * real;
-                                *sum += weight;
-                            }
-                        }
-                    } else {
-                        for (value, sample) in self.values.iter_mut().zip(row) {
-                            *value += weight * (widen(*sample) * slope + offset) as f32;
-                        }
-                    }
-                });
-            }
-        }
-        if !missing {
-            self.weights.fill(1.0);
-        }
-    }
-
-    /// New samples along x, from one on.
-    fn reduce<T: NewSample>(&self, resampling: &Resampling, row: &mut [T], from: usize) {
-        for (out, taps) in row.iter_mut().zip(&resampling.taps[0][from..]) {
-            let (mut value, mut weight) = (0.0, 0.0);
-            for (x, of_x) in taps.iter() {
-                value += of_x * self.values[x - self.first];
-                weight += of_x * self.weights[x - self.first];
-            }
-            *out = T::of(if weight > 0.0 { value / weight } else { f32::NAN }, resampling);
-        }
-    }
 }
