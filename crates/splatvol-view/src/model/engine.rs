@@ -490,7 +490,7 @@ fn shown(
 /// The codes that a PNG of 8 bits would hold.
 fn codes(image: &Image, picture: &Picture) -> Vec<[u8; 4]> {
     match picture.background() {
-        Some(background) => splatvol_io::image::png::codes_of_8_bits(&laid_over(image, background)),
-        None => splatvol_io::image::png::codes_of_8_bits(image),
+        Some(background) => splatvol_io::image::png::srgb8(&laid_over(image, background)),
+        None => splatvol_io::image::png::srgb8(image),
     }
 }

@@ -72,7 +72,7 @@ fn rendered(document: &Document) -> Vec<[u8; 4]> {
         .render(&picture.scene, &picture.camera, &picture.settings)
         .unwrap();
     let background = picture.background().unwrap();
-    splatvol_io::image::png::codes_of_8_bits(&splatvol_document::resolve::laid_over(&frame.image, background))
+    splatvol_io::image::png::srgb8(&splatvol_document::resolve::laid_over(&frame.image, background))
 }
 
 #[test]

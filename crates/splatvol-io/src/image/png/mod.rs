@@ -50,14 +50,6 @@ impl Depth {
 /// Deflate turns one byte into at most 1032, each of which may hold 8 grey pixels.
 const PIXELS_PER_BYTE: u64 = 8 * 1032;
 
-/// The codes that a PNG of 8 bits holds, for showing a picture without a file: sRGB, straight alpha, row-major.
-pub fn codes_of_8_bits(image: &Image) -> Vec<[u8; 4]> {
-    let srgb = Depth::Eight.srgb_codes();
-    let codes = image.pixels.iter().map(|&pixel| code(pixel, Depth::Eight, srgb));
-    // A code of 8 bits is at most 255.
-    codes.map(|code| code.map(|channel| channel as u8)).collect()
-}
-
 /// Codes of a picture: sRGB, straight alpha, row-major.
 pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
     let srgb = depth.srgb_codes();
@@ -70,20 +62,34 @@ pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
 
 /// A picture as 8-bit RGBA: sRGB, straight alpha, row-major; the codes of an 8-bit PNG.
 pub fn srgb8(image: &Image) -> Vec<[u8; 4]> {
-    let codes = codes(image, Depth::Eight).into_iter();
-    codes.map(|pixel| pixel.map(|code| code as u8)).collect()
+    let srgb = Depth::Eight.srgb_codes();
+    let mut codes = vec![[0; 4]; image.pixels.len()];
+    for (own, &pixel) in codes.iter_mut().zip(&image.pixels) {
+        for (byte, code) in own.iter_mut().zip(code(pixel, Depth::Eight, srgb)) {
+            *byte = code as u8;
+        }
+    }
+    codes
 }
 
 /// Straight sRGB codes of a linear premultiplied pixel.
+#[inline(always)]
 fn code(pixel: [f32; 4], depth: Depth, srgb: &SrgbCodes) -> [u16; 4] {
     let alpha = f64::from(pixel[3]);
     // A conversion from float saturates, and NaN becomes 0.
-    let alpha_code = (alpha.clamp(0.0, 1.0) * depth.largest()).round() as u16;
+    let alpha_code = (alpha.clamp(0.0, 1.0) * depth.largest() + 0.5) as u16;
     if alpha_code == 0 {
         return [0; 4];
     }
-    let [r, g, b] = [0, 1, 2].map(|c| srgb.code(f64::from(pixel[c]) / alpha));
-    [r, g, b, alpha_code]
+    let mut codes = [0, 0, 0, alpha_code];
+    for (code, channel) in codes.iter_mut().zip(pixel).take(3) {
+        let premultiplied = f64::from(channel);
+        *code = srgb.code(match alpha == 1.0 {
+            true => premultiplied,
+            false => premultiplied / alpha,
+        });
+    }
+    codes
 }
 
 /// A picture from the bytes of a PNG file; `path` is only named in errors.
