@@ -17,13 +17,20 @@ enum Open {
     #[default]
     Nothing,
     /// A path to open, or to add.
-    File {
-        path: String,
-        adds: bool,
-    },
+    File(FileForm),
     /// A picture to save.
     Picture(PictureForm),
     Help,
+}
+
+/// What is said of a file to open.
+#[derive(Debug, Clone)]
+struct FileForm {
+    path: String,
+    /// Whether it is added to what is shown.
+    adds: bool,
+    /// Why it could not be opened.
+    error: Option<String>,
 }
 
 /// What is said of a picture to save.
@@ -39,7 +46,8 @@ struct PictureForm {
 #[derive(Debug, Default)]
 pub(super) struct Dialogs {
     open: Open,
-    /// What is being saved: it is shown again if that fails.
+    /// What is being opened, and what is being saved: shown again if that fails.
+    opening: Option<FileForm>,
     saving: Option<PictureForm>,
     /// Whether the text field gets the keys next.
     focuses: bool,
@@ -48,10 +56,11 @@ pub(super) struct Dialogs {
 impl Dialogs {
     pub(super) fn open_file(&mut self, adds: bool) {
         self.focuses = true;
-        self.open = Open::File {
+        self.open = Open::File(FileForm {
             path: String::new(),
             adds,
-        };
+            error: None,
+        });
     }
 
     pub(super) fn save_picture(&mut self, model: &Model) {
@@ -95,8 +104,22 @@ impl Dialogs {
         self.open = Open::Nothing;
     }
 
-    /// Shows again what was typed for a picture that could not be saved, unless something else is open by now.
-    fn return_failed(&mut self, model: &mut Model) {
+    /// Shows again what was typed for a file that could not be opened, unless something else is open by now.
+    fn return_unopened(&mut self, model: &mut Model) {
+        let Some(asked) = self.opening.take_if(|_| model.asked_since().is_none()) else {
+            return;
+        };
+        let error = model.message().filter(|message| message.is_error);
+        let error = error.map(|message| message.text.clone());
+        if error.is_some() && matches!(self.open, Open::Nothing) {
+            model.dismiss();
+            self.focuses = true;
+            self.open = Open::File(FileForm { error, ..asked });
+        }
+    }
+
+    /// The same of a picture that could not be saved.
+    fn return_unsaved(&mut self, model: &mut Model) {
         let Some(asked) = self.saving.take_if(|_| model.writing().is_none()) else {
             return;
         };
@@ -108,15 +131,21 @@ impl Dialogs {
     }
 
     pub(super) fn show(&mut self, context: &Context, model: &mut Model) {
-        self.return_failed(model);
+        self.return_unopened(model);
+        self.return_unsaved(model);
         let focuses = std::mem::take(&mut self.focuses);
         let stays = match &mut self.open {
             Open::Nothing => true,
-            Open::File { path, adds } => {
-                let title = if *adds { "Add a file" } else { "Open a file" };
-                dialog(context, (title, FORM), |ui| {
-                    form(ui, |ui| file(ui, (path, *adds, focuses), model))
-                })
+            Open::File(asked) => {
+                let title = if asked.adds { "Add a file" } else { "Open a file" };
+                let mut opens = false;
+                let stays = dialog(context, (title, FORM), |ui| {
+                    form(ui, |ui| file(ui, (asked, focuses, &mut opens), model))
+                });
+                if opens {
+                    self.opening = Some(asked.clone());
+                }
+                stays
             }
             Open::Picture(asked) => {
                 let stays = dialog(context, ("Save a picture or the scene", FORM), |ui| {
@@ -172,18 +201,22 @@ fn path_field(ui: &mut Ui, label: &str, path: &mut String, focuses: bool) -> boo
     field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
 }
 
-fn file(ui: &mut Ui, (path, adds, focuses): (&mut String, bool, bool), model: &mut Model) -> bool {
-    let entered = path_field(ui, "File or folder, or sample:NAME", path, focuses);
+/// `opens`: set where the file is asked for.
+fn file(ui: &mut Ui, (asked, focuses, opens): (&mut FileForm, bool, &mut bool), model: &mut Model) -> bool {
+    let entered = path_field(ui, "File or folder, or sample:NAME", &mut asked.path, focuses);
     ui.label(RichText::new("A scene, or a picture that splatvol made, restores everything.").weak());
+    say_error(ui, asked.error.as_deref());
     let mut stays = true;
     ui.horizontal(|ui| {
-        let go = ui.button(if adds { "Add" } else { "Open" }).clicked();
-        if (go || entered) && !path.trim().is_empty() {
-            let path = path.trim().to_owned();
-            match adds {
+        let go = ui.button(if asked.adds { "Add" } else { "Open" }).clicked();
+        if (go || entered) && !asked.path.trim().is_empty() {
+            let path = asked.path.trim().to_owned();
+            model.dismiss();
+            match asked.adds {
                 true => model.add(ItemKeys::of_file(path)),
                 false => model.open(&[path]),
             }
+            *opens = true;
             stays = false;
         }
         if ui.button("Cancel").clicked() {
@@ -191,6 +224,13 @@ fn file(ui: &mut Ui, (path, adds, focuses): (&mut String, bool, bool), model: &m
         }
     });
     stays
+}
+
+/// Why what was asked for last failed.
+fn say_error(ui: &mut Ui, error: Option<&str>) {
+    if let Some(error) = error {
+        ui.label(RichText::new(format!("Error: {error}")).color(style::WARNING));
+    }
 }
 
 fn picture(ui: &mut Ui, (asked, focuses): (&mut PictureForm, bool), model: &mut Model) -> bool {
@@ -211,9 +251,7 @@ fn picture(ui: &mut Ui, (asked, focuses): (&mut PictureForm, bool), model: &mut 
         )
         .weak(),
     );
-    if let Some(error) = &asked.error {
-        ui.label(RichText::new(format!("Error: {error}")).color(style::WARNING));
-    }
+    say_error(ui, asked.error.as_deref());
     let mut stays = true;
     ui.horizontal(|ui| {
         let go = ui.button("Save").clicked();

@@ -1,10 +1,12 @@
 //! Pinned places: a mark in the picture, and the profile of the ray that met it.
 
-use eframe::egui::{Align2, Context, Pos2, Rect, Role, Sense, Shape, Stroke, Vec2, WidgetInfo, Window};
+use eframe::egui::{
+    Align2, Context, Pos2, Rect, Role, ScrollArea, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, Window,
+};
 
 use super::picture::PicturePanel;
 use super::status::number;
-use super::style;
+use super::{rooms, style};
 use crate::model::Model;
 use crate::model::probe::Probe;
 
@@ -51,31 +53,34 @@ impl Pins {
             .resizable(false)
             .anchor(Align2::CENTER_BOTTOM, [0.0, -60.0])
             .show(context, |ui| {
-                let at = probe.place;
-                ui.label(format!(
-                    "Value {} at x {:.2}, y {:.2}, z {:.2}",
-                    number(probe.value),
-                    at.x,
-                    at.y,
-                    at.z
-                ));
-                if let Some(before) = &self.before {
-                    let distance = before.place.distance(at);
-                    ui.label(format!(
-                        "{} from the place that was pinned before",
-                        number(distance)
-                    ));
-                }
-                plot(ui, probe);
-                ui.label("White: the value, over its range. Blue: the opacity that is reached, 0 to 1.");
+                ui.set_max_size(rooms::of_dialog(context));
+                ScrollArea::both().show(ui, |ui| self.describe(ui, probe));
             });
         if !open {
             self.clear();
         }
     }
+
+    /// The value at a place, its distance from the one before, and the plot.
+    fn describe(&self, ui: &mut Ui, probe: &Probe) {
+        let at = probe.place;
+        ui.label(format!(
+            "Value {} at x {:.2}, y {:.2}, z {:.2}",
+            number(probe.value),
+            at.x,
+            at.y,
+            at.z
+        ));
+        if let Some(before) = &self.before {
+            let distance = number(before.place.distance(at));
+            ui.label(format!("{distance} from the place that was pinned before"));
+        }
+        plot(ui, probe);
+        ui.label("White: the value, over its range. Blue: the opacity that is reached, 0 to 1.");
+    }
 }
 
-fn plot(ui: &mut eframe::egui::Ui, probe: &Probe) {
+fn plot(ui: &mut Ui, probe: &Probe) {
     let (rect, response) = ui.allocate_exact_size(PLOT, Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Value and opacity along the ray"));
     let painter = ui.painter_at(rect);

@@ -30,6 +30,30 @@ fn what_was_typed_stays_until_the_picture_is_saved() {
 }
 
 #[test]
+fn what_was_typed_stays_until_the_file_is_open() {
+    let mut window = window(&["sample:head:16"]);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    (0..3).for_each(|_| window.step());
+    window.get_by_role(Role::TextInput).type_text("sample:hea");
+    window.step();
+    click(&mut window, "Open");
+    wait(&mut window, "an answer", |model| model.asked_since().is_none());
+    (0..2).for_each(|_| window.step());
+    window.get_by_label_contains("Error: ");
+    let field = window.get_by_role(Role::TextInput);
+    assert_eq!(field.value().as_deref(), Some("sample:hea"));
+    assert!(model(&window).message().is_none(), "it is said twice");
+    window.get_by_role(Role::TextInput).type_text("d:8");
+    window.step();
+    click(&mut window, "Open");
+    wait(&mut window, "the other head", |model| {
+        model.document().items[0].file == "sample:head:8"
+    });
+    (0..2).for_each(|_| window.step());
+    assert!(window.query_by_label("Cancel").is_none());
+}
+
+#[test]
 fn escape_closes_menus_and_keys_do_nothing_behind_them() {
     let mut window = window(&["sample:head:16"]);
     let camera = |window: &Window<'_>| model(window).session().camera().unwrap();
