@@ -231,15 +231,19 @@ def load(path: str | os.PathLike[str]) -> Scene:
     FileNotFoundError
         There is no such file.
     InvalidValue
-        A file that is no scene.
+        A file that is no scene; an address or a sample.
     FormatError
         A scene with keys or values that do not exist.
     """
-    if not os.path.exists(path):
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
-    text = _core.read_document(os.fspath(path))
+    name = os.fspath(path)
+    no_scene = InvalidValue(f"{name} is no scene: splatvol.read reads data", field="path")
+    if not os.path.exists(name):
+        if "://" in name or name.startswith("sample:"):
+            raise no_scene
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+    text = _core.read_document(name)
     if text is None:
-        raise InvalidValue(f"{os.fspath(path)} is no scene: splatvol.read reads data", field="path")
+        raise no_scene
     return scene_of(json.loads(text))
 
 
