@@ -50,6 +50,7 @@ mod engine;
 mod gaussians;
 mod kernels;
 mod order;
+mod picked;
 mod project;
 mod resolve;
 mod settings;
