@@ -38,11 +38,7 @@ pub struct Gaussians {
     degree: u32,
     antialiased: bool,
     bounds: Bounds,
-    places: Vec<PlaceBlock>,
 }
-
-/// Sixteen Gaussians side by side: x, y, z of their means, local, then their largest standard deviations, local lengths.
-pub type PlaceBlock = [[f32; 16]; 4];
 
 impl Gaussians {
     /// Highest degree of the harmonics that is evaluated.
@@ -77,10 +73,8 @@ impl Gaussians {
             }
         }
         let bounds = bounds_of(&attributes.means, &world_from_local)?;
-        let places = attributes.places();
         Ok(Self {
             world_from_local,
-            places,
             attributes,
             degree,
             antialiased: false,
@@ -131,11 +125,6 @@ impl Gaussians {
         self.attributes.means.len()
     }
 
-    /// Where all of them are, in the order of the attributes; what is left of the last block is zero.
-    pub fn places(&self) -> &[PlaceBlock] {
-        &self.places
-    }
-
     /// Box of the means, world.
     pub fn bounds(&self) -> Bounds {
         self.bounds
@@ -148,17 +137,6 @@ pub fn harmonics_count(degree: u32) -> usize {
 }
 
 impl GaussianAttributes {
-    fn places(&self) -> Vec<PlaceBlock> {
-        let mut places = vec![[[0.0; 16]; 4]; self.means.len().div_ceil(16)];
-        for (i, ([x, y, z], [a, b, c])) in self.means.iter().zip(&self.scales).enumerate() {
-            let place = [*x, *y, *z, a.max(*b).max(*c)];
-            for (lanes, value) in places[i / 16].iter_mut().zip(place) {
-                lanes[i % 16] = value;
-            }
-        }
-        places
-    }
-
     fn check(&self, degree: u32) -> Result<(), SceneError> {
         let count = self.means.len();
         for (field, length, expected) in [

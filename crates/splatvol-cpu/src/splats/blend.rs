@@ -36,9 +36,6 @@ pub(crate) trait Blend: Copy + Send + Sync {
     /// End of a splat, given the stored peak: `log2(e) d^T V^-1 d / 2`.
     fn end<S: Simd>(self, simd: S, kept: f32x16<S>) -> f32x16<S>;
 
-    /// The farthest end of any splat.
-    fn farthest_end(self) -> f32;
-
     /// Half the edge of the square around a splat beyond which it is not drawn, pixels; covariance: xx, xy, yy.
     #[inline(always)]
     fn square<S: Simd>(self, simd: S, _covariance: [f32x16<S>; 3]) -> f32x16<S> {

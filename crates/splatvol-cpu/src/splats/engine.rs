@@ -19,7 +19,6 @@ use super::composite::{self, Place, Scratch};
 use super::cover::TILE;
 use super::kernels::LitKernels;
 use super::order::Keys;
-use super::picked::RANGE;
 use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
@@ -28,6 +27,8 @@ use super::wanted::WantedTiles;
 use crate::room::grow;
 use crate::run::Run;
 
+/// Splats that a thread projects at a time.
+const CHUNK: usize = 4096;
 /// Parts per thread, at least, in which splats are sorted and binned.
 const PARTS_PER_THREAD: usize = 2;
 /// Most splats of such a part; a thread checks for cancellation after each part.
@@ -326,8 +327,8 @@ fn chunks<'a>(
     let mut chunks = Vec::new();
     let mut first = 0;
     for (cloud, content) in clouds.iter().enumerate() {
-        for start in (0..content.len()).step_by(RANGE) {
-            let count = RANGE.min(content.len() - start).min(splats.len());
+        for start in (0..content.len()).step_by(CHUNK) {
+            let count = CHUNK.min(content.len() - start).min(splats.len());
             let (own_splats, rest) = splats.split_at_mut(count);
             splats = rest;
             let (own_rects, rest) = rects.split_at_mut(count);

@@ -15,8 +15,7 @@ use splatvol_core::cloud_view::LEAST_RATIO;
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{Gaussians, harmonics};
 
-use super::picked::Picked;
-use super::project::{LANES, Seen, Source, dot, store};
+use super::project::{LANES, Seen, Source, columns, dot, store};
 use super::view::CloudView;
 
 impl Source for Gaussians {
@@ -25,21 +24,10 @@ impl Source for Gaussians {
     }
 
     #[inline(always)]
-    fn places<S: Simd>(&self, simd: S, range: Range<usize>) -> ([f32x16<S>; 3], f32x16<S>) {
-        let [x, y, z, deviation] = Self::places(self)[range.start / LANES];
-        let centres = [
-            f32x16::simd_from(simd, x),
-            f32x16::simd_from(simd, y),
-            f32x16::simd_from(simd, z),
-        ];
-        (centres, f32x16::simd_from(simd, deviation))
-    }
-
-    #[inline(always)]
-    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], picked: &Picked<'_>) -> [f32x16<S>; 4] {
+    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], range: Range<usize>) -> [f32x16<S>; 4] {
         let attributes = self.attributes();
-        let rotation = picked.columns(simd, &attributes.rotations);
-        let scales = picked.columns(simd, &attributes.scales);
+        let rotation = columns(simd, &attributes.rotations[range.clone()], [0.0, 0.0, 0.0, 1.0]);
+        let scales = columns(simd, &attributes.scales[range], [0.0; 3]);
         let [a, b] = screen_axes(simd, rows, rotation, scales);
         let mut cross = a;
         for (k, (i, j)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
@@ -49,8 +37,8 @@ impl Source for Gaussians {
     }
 
     #[inline(always)]
-    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, picked: &Picked<'_>) -> f32x16<S> {
-        let [opacity] = picked.columns(simd, rows_of_one(&self.attributes().opacities));
+    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S> {
+        let [opacity] = columns(simd, rows_of_one(&self.attributes().opacities[range]), [0.0]);
         if self.antialiased() {
             opacity * (at.sharp / at.det).max(f32x16::splat(simd, LEAST_RATIO)).sqrt()
         } else {
@@ -64,7 +52,7 @@ impl Source for Gaussians {
         _: S,
         view: &CloudView,
         offset: &[f32x16<S>; 3],
-        (picked, mut visible): (&Picked<'_>, u32),
+        (range, mut visible): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {
         let mut offsets = [[0.0; LANES]; 3];
         store(offset, &mut offsets);
@@ -78,7 +66,7 @@ impl Source for Gaussians {
             } else {
                 [0.0; 3]
             };
-            colors[lane] = color(self, picked.index(lane), direction);
+            colors[lane] = color(self, range.start + lane, direction);
         }
         colors
     }

@@ -21,8 +21,7 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Lighting};
 
 use super::blend::CutGaussian;
-use super::picked::{Picked, columns};
-use super::project::{LANES, Seen, Source, dot};
+use super::project::{LANES, Seen, Source, columns, dot};
 use super::view::{CloudView, rows};
 use crate::phong::Phong;
 use crate::simd::math::{exp2_quick, srgb_from_linear};
@@ -67,8 +66,8 @@ impl<'a> LitKernels<'a> {
 
     /// Optical depths through the middle.
     #[inline(always)]
-    fn depth<S: Simd>(&self, simd: S, at: &Seen<S>, picked: &Picked<'_>) -> f32x16<S> {
-        let [carried, ..] = picked.columns(simd, &self.cloud.payloads);
+    fn depth<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S> {
+        let [carried, ..] = columns(simd, &self.cloud.payloads[range.clone()], [0.0; 4]);
         let [x, y] = at.tangent;
         let path = (x * x + y * y + 1.0).sqrt();
         let det = at.det.max(f32x16::splat(simd, f32::MIN_POSITIVE));
@@ -76,13 +75,13 @@ impl<'a> LitKernels<'a> {
         let per_area = at.scale * at.scale / det.sqrt() * (height * 0.5 * std::f32::consts::FRAC_1_PI);
         let of_masses = carried * path * per_area;
         let peaks_from = self.cloud.peaks_from;
-        if picked.last() < peaks_from {
+        if range.end <= peaks_from {
             return of_masses;
         }
         let of_peaks = carried * (at.sharp / det).sqrt();
         let mut is_peak = [0.0; LANES];
         for (lane, is_peak) in is_peak.iter_mut().enumerate() {
-            *is_peak = f32::from(u8::from(picked.index(lane) >= peaks_from));
+            *is_peak = f32::from(u8::from(range.start + lane >= peaks_from));
         }
         let is_peak = f32x16::simd_from(simd, is_peak).simd_gt(f32x16::splat(simd, 0.0));
         is_peak.select(of_peaks, of_masses)
@@ -94,17 +93,9 @@ impl Source for LitKernels<'_> {
         &self.cloud.positions
     }
 
-    /// Deviations: of traces.
     #[inline(always)]
-    fn places<S: Simd>(&self, simd: S, range: Range<usize>) -> ([f32x16<S>; 3], f32x16<S>) {
-        let [xx, _, _, yy, _, zz] = columns(simd, &self.cloud.covariances[range.clone()]);
-        let centres = columns(simd, &self.cloud.positions[range]);
-        (centres, (xx + yy + zz).sqrt())
-    }
-
-    #[inline(always)]
-    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], picked: &Picked<'_>) -> [f32x16<S>; 4] {
-        let [xx, xy, xz, yy, yz, zz] = picked.columns(simd, &self.cloud.covariances);
+    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], range: Range<usize>) -> [f32x16<S>; 4] {
+        let [xx, xy, xz, yy, yz, zz] = columns(simd, &self.cloud.covariances[range], [0.0; 6]);
         let covariance = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let [across, down] = rows;
         let (mut on_across, mut on_down, mut normal) = (*across, *across, *across);
@@ -132,8 +123,8 @@ impl Source for LitKernels<'_> {
     }
 
     #[inline(always)]
-    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, picked: &Picked<'_>) -> f32x16<S> {
-        let depth = self.depth(simd, at, picked);
+    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S> {
+        let depth = self.depth(simd, at, range);
         if self.profile.is_some() {
             return depth;
         }
@@ -147,13 +138,13 @@ impl Source for LitKernels<'_> {
         simd: S,
         _: &CloudView,
         _: &[f32x16<S>; 3],
-        (picked, _): (&Picked<'_>, u32),
+        (range, _): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {
         let zero = f32x16::splat(simd, 0.0);
-        let [mass, emission @ ..] = picked.columns(simd, &self.cloud.payloads);
+        let [mass, emission @ ..] = columns(simd, &self.cloud.payloads[range.clone()], [1.0, 0.0, 0.0, 0.0]);
         let (mut diffuse, mut specular) = (f32x16::splat(simd, 1.0), zero);
         if let Some(light) = &self.light {
-            let gradient = picked.columns(simd, &self.cloud.gradients);
+            let gradient = columns(simd, &self.cloud.gradients[range], [0.0; 3]);
             let mut turned = gradient;
             for (turned, [x, y, z]) in turned.iter_mut().zip(light.camera_from_gradient) {
                 *turned = gradient[0] * x + gradient[1] * y + gradient[2] * z;

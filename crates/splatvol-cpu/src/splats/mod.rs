@@ -50,7 +50,6 @@ mod engine;
 mod gaussians;
 mod kernels;
 mod order;
-mod picked;
 mod project;
 mod resolve;
 mod settings;

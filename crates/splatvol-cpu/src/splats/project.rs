@@ -5,11 +5,7 @@
 //! det V = det (V - h I) + h tr (V - h I) + h^2
 //! J = s [[1, 0, -x/z], [0, 1, -y/z]],  s = f / z               x/z, y/z cut at 1.3 times the picture's
 //! d^T V^-1 d <= r^2                                            `Blend::end`; where alpha >= 1/255, r^2 = 2 ln(255 o)
-//! V_xx <= s^2 (|m_x| + |x/z| |m_z|)^2 sigma^2 + h              m: rows of M; sigma: `Source::places`
 //! ```
-//!
-//! The last line bounds an ellipse by the splat's place and size alone. Splats whose bound meets no wanted tile are left out
-//! first, and what remains is projected sixteen at a time: of a picture's shares each projects about its own splats.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,8 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::blend::Blend;
-use super::picked::{Kept, Picked};
-use super::view::{CloudView, REFERENCE_TILE, added, most_added};
+use super::view::{CloudView, REFERENCE_TILE, added};
 use super::wanted::WantedTiles;
 
 /// Splats per SIMD step.
@@ -75,24 +70,20 @@ pub(crate) trait Source: Sync {
     /// Centres.
     fn means(&self) -> &[[f32; 3]];
 
-    /// Centres of up to sixteen neighbours, the first of which is a multiple of sixteen, and their largest standard deviations in
-    /// any direction, or more; in the source's space.
-    fn places<S: Simd>(&self, simd: S, range: Range<usize>) -> ([f32x16<S>; 3], f32x16<S>);
-
     /// Covariances on the screen, xx, xy, yy, pixels squared, and their determinant. `rows`: of `J M`, the linear map
     /// from the source's space to pixels.
-    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], picked: &Picked<'_>) -> [f32x16<S>; 4];
+    fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], range: Range<usize>) -> [f32x16<S>; 4];
 
     /// Opacities or optical depths in the middle, as the blend defines them.
-    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, picked: &Picked<'_>) -> f32x16<S>;
+    fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S>;
 
-    /// Colours, for the lanes whose bits are set.
+    /// Colours of a range, for the lanes whose bits are set.
     fn colors<S: Simd>(
         &self,
         simd: S,
         view: &CloudView,
         offset: &[f32x16<S>; 3],
-        picked_and_lanes: (&Picked<'_>, u32),
+        range_and_lanes: (Range<usize>, u32),
     ) -> [[f32; 3]; LANES];
 }
 
@@ -107,20 +98,6 @@ pub(crate) struct Seen<S: Simd> {
     pub tangent: [f32x16<S>; 2],
 }
 
-/// Places of splats before the camera.
-struct Placed<S: Simd> {
-    /// From the camera, in the source's space.
-    offset: [f32x16<S>; 3],
-    /// Camera depth.
-    depth: f32x16<S>,
-    /// Pixels.
-    centre: [f32x16<S>; 2],
-    /// Pixels per world length.
-    scale: f32x16<S>,
-    /// Slopes of the rays, cut.
-    tangent: [f32x16<S>; 2],
-}
-
 /// State of the lanes before visible splats are picked.
 struct Lanes<S: Simd> {
     visible: mask32x16<S>,
@@ -131,9 +108,6 @@ struct Lanes<S: Simd> {
 
 /// Centre, conic, peak, reach, depth.
 const VALUES: usize = 9;
-/// Factor on bounds of variances, for rounding and for rotations that are not quite of length one, and pixels around them.
-const BOUND_MARGIN: f32 = 1.01;
-const BOUND_PIXELS: f32 = 1.0;
 
 /// Projects a range of a source; returns the number of splats that are visible on wanted tiles.
 #[inline(always)]
@@ -144,85 +118,37 @@ pub(crate) fn project<S: Simd>(
     range: Range<usize>,
     target: &mut Target<'_>,
 ) -> usize {
-    let mut kept = Kept::new();
-    for first in range.clone().step_by(LANES) {
-        let run = first..range.end.min(first + LANES);
-        kept.add(first, near(simd, blend, (view, source), run, target.wanted));
-    }
     let mut count = 0;
-    for picked in kept.picked() {
-        count += project_picked(simd, blend, (view, source), &picked, (target, count));
+    let mut first = range.start;
+    while first < range.end {
+        let own = first..range.end.min(first + LANES);
+        let lanes = project_lanes(simd, blend, (view, source), own.clone());
+        let visible = lanes.visible.to_bitmask() as u32 & ((1 << own.len()) - 1);
+        if visible != 0 {
+            let rects = lanes.rects();
+            let wanted = target.wanted.reached(&rects, visible);
+            if wanted != 0 {
+                let colors = source.colors(simd, view, &lanes.offset, (own.clone(), wanted));
+                count += lanes.store(wanted, (&colors, &rects), (target, count));
+            }
+        }
+        first = own.end;
     }
     count
 }
 
-/// Those of up to sixteen splats that may be visible on wanted tiles, by their places and sizes alone.
-#[inline(always)]
-fn near<S: Simd>(
-    simd: S,
-    blend: impl Blend,
-    (view, source): (&CloudView, &impl Source),
-    run: Range<usize>,
-    wanted: &WantedTiles,
-) -> u32 {
-    let own_lanes = (1 << run.len()) - 1;
-    let (centres, deviation) = source.places(simd, run);
-    let placed = Placed::new(simd, view, centres);
-    let lengths = view
-        .camera_from_local
-        .map(|[x, y, z]| (x * x + y * y + z * z).sqrt());
-    let mut longest = f32x16::splat(simd, 0.0);
-    for (tangent, length) in placed.tangent.iter().zip(lengths) {
-        longest = longest.max(tangent.abs() * lengths[2] + length);
-    }
-    let pixels = longest * placed.scale * deviation;
-    let variance = pixels * pixels + most_added(view.low_pass);
-    let radius2 = blend.farthest_end() * (2.0 * std::f32::consts::LN_2 * BOUND_MARGIN);
-    let reach = (variance * radius2).sqrt() + BOUND_PIXELS;
-    let most = f32x16::splat(simd, f32::MAX);
-    // NaN is not below it either.
-    let reach = reach.simd_lt(most).select(reach, most);
-    let seen = placed.depth.simd_gt(f32x16::splat(simd, view.near));
-    let seen = seen.to_bitmask() as u32 & own_lanes;
-    wanted.near(simd, placed.centre, (reach, seen))
-}
-
-/// Projects splats to the places of the target from the `count`th on; returns the number of those that are visible on wanted
-/// tiles.
-#[inline(always)]
-pub(super) fn project_picked<S: Simd>(
-    simd: S,
-    blend: impl Blend,
-    (view, source): (&CloudView, &impl Source),
-    picked: &Picked<'_>,
-    (target, count): (&mut Target<'_>, usize),
-) -> usize {
-    let lanes = project_lanes(simd, blend, (view, source), picked);
-    let visible = lanes.visible.to_bitmask() as u32 & picked.lanes();
-    if visible == 0 {
-        return 0;
-    }
-    let rects = rects(&lanes.rect);
-    let wanted = target.wanted.reached(&rects, visible);
-    if wanted == 0 {
-        return 0;
-    }
-    let colors = source.colors(simd, view, &lanes.offset, (picked, wanted));
-    lanes.store(wanted, (&colors, &rects), (target, count))
-}
-
-/// Reference tiles of all lanes.
-#[inline(always)]
-fn rects<S: Simd>(rect: &[f32x16<S>; 4]) -> [Rect; LANES] {
-    let mut ends = [[0.0; LANES]; 4];
-    store(rect, &mut ends);
-    std::array::from_fn(|lane| Rect {
-        columns: [ends[0][lane] as u16, ends[1][lane] as u16],
-        rows: [ends[2][lane] as u16, ends[3][lane] as u16],
-    })
-}
-
 impl<S: Simd> Lanes<S> {
+    /// Reference tiles of all lanes.
+    #[inline(always)]
+    fn rects(&self) -> [Rect; LANES] {
+        let mut ends = [[0.0; LANES]; 4];
+        store(&self.rect, &mut ends);
+        std::array::from_fn(|lane| Rect {
+            columns: [ends[0][lane] as u16, ends[1][lane] as u16],
+            rows: [ends[2][lane] as u16, ends[3][lane] as u16],
+        })
+    }
+
     /// Stores the wanted lanes behind the first `count` splats of the target; returns their number.
     #[inline(always)]
     fn store(
@@ -265,62 +191,38 @@ pub(crate) fn store<S: Simd, const N: usize>(vectors: &[f32x16<S>; N], arrays: &
     }
 }
 
+/// Component `k` of up to sixteen rows, one per lane; the rest is `fill`.
+#[inline(always)]
+pub(crate) fn columns<S: Simd, const N: usize>(simd: S, rows: &[[f32; N]], fill: [f32; N]) -> [f32x16<S>; N] {
+    let mut lanes = [[0.0; LANES]; N];
+    if let Ok(rows) = <&[[f32; N]; LANES]>::try_from(rows) {
+        for (lane, row) in rows.iter().enumerate() {
+            for k in 0..N {
+                lanes[k][lane] = row[k];
+            }
+        }
+    } else {
+        for (lane, row) in rows
+            .iter()
+            .chain(std::iter::repeat(&fill))
+            .take(LANES)
+            .enumerate()
+        {
+            for k in 0..N {
+                lanes[k][lane] = row[k];
+            }
+        }
+    }
+    let mut vectors = [f32x16::splat(simd, 0.0); N];
+    for k in 0..N {
+        vectors[k] = f32x16::simd_from(simd, lanes[k]);
+    }
+    vectors
+}
+
 #[inline(always)]
 pub(crate) fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Component of vectors along a direction.
-#[inline(always)]
-fn along<S: Simd>(vectors: &[f32x16<S>; 3], [x, y, z]: [f32; 3]) -> f32x16<S> {
-    vectors[0] * x + vectors[1] * y + vectors[2] * z
-}
-
-impl<S: Simd> Placed<S> {
-    /// Of splats with these centres, in their source's space.
-    #[inline(always)]
-    fn new(simd: S, view: &CloudView, centres: [f32x16<S>; 3]) -> Self {
-        let zero = f32x16::splat(simd, 0.0);
-        let one = f32x16::splat(simd, 1.0);
-        let mut offset = centres;
-        for (k, offset) in offset.iter_mut().enumerate() {
-            *offset = *offset - view.eye[0][k] - view.eye[1][k];
-        }
-        let depth = along(&offset, view.camera_from_local[2]);
-        let inverse = if view.perspective {
-            one / depth.max(f32x16::splat(simd, f32::MIN_POSITIVE))
-        } else {
-            one
-        };
-        let scale = inverse * view.scale;
-        let (mut centre, mut tangent) = ([zero; 2], [zero; 2]);
-        for axis in 0..2 {
-            let place = along(&offset, view.camera_from_local[axis]);
-            centre[axis] = place * scale + view.centre[axis];
-            let limit = f32x16::splat(simd, view.tangent_limit[axis]);
-            tangent[axis] = (place * inverse).max(-limit).min(limit);
-        }
-        Self {
-            offset,
-            depth,
-            centre,
-            scale,
-            tangent,
-        }
-    }
-
-    /// Rows of `J M`.
-    #[inline(always)]
-    fn rows(&self, simd: S, view: &CloudView) -> [[f32x16<S>; 3]; 2] {
-        let [across, down, depth] = view.camera_from_local;
-        let mut rows = [[self.scale; 3]; 2];
-        for (row, (own, tangent)) in rows.iter_mut().zip([across, down].iter().zip(self.tangent)) {
-            for (k, entry) in row.iter_mut().enumerate() {
-                *entry *= f32x16::splat(simd, own[k]) - tangent * depth[k];
-            }
-        }
-        rows
-    }
 }
 
 #[inline(always)]
@@ -328,20 +230,37 @@ fn project_lanes<S: Simd>(
     simd: S,
     blend: impl Blend,
     (view, source): (&CloudView, &impl Source),
-    picked: &Picked<'_>,
+    range: Range<usize>,
 ) -> Lanes<S> {
     let zero = f32x16::splat(simd, 0.0);
-    let placed = Placed::new(simd, view, picked.columns(simd, source.means()));
-    let rows = placed.rows(simd, view);
-    let Placed {
-        offset,
-        depth,
-        centre,
-        scale,
-        tangent,
-    } = placed;
+    let one = f32x16::splat(simd, 1.0);
+    let mut offset = columns(simd, &source.means()[range.clone()], [0.0; 3]);
+    let mut to_camera = [[zero; 3]; 3];
+    for k in 0..3 {
+        offset[k] = offset[k] - view.eye[0][k] - view.eye[1][k];
+        for (vector, value) in to_camera[k].iter_mut().zip(view.camera_from_local[k]) {
+            *vector = f32x16::splat(simd, value);
+        }
+    }
+    let depth = dot(to_camera[2], offset);
     let mut visible = depth.simd_gt(f32x16::splat(simd, view.near));
-    let [xx, xy, yy, sharp] = source.shape(simd, &rows, picked);
+    let inverse = if view.perspective {
+        one / depth.max(f32x16::splat(simd, f32::MIN_POSITIVE))
+    } else {
+        one
+    };
+    let scale = inverse * view.scale;
+    let (mut centre, mut tangent, mut rows) = ([zero; 2], [zero; 2], [[zero; 3]; 2]);
+    for axis in 0..2 {
+        let place = dot(to_camera[axis], offset);
+        centre[axis] = place * scale + view.centre[axis];
+        let limit = f32x16::splat(simd, view.tangent_limit[axis]);
+        tangent[axis] = (place * inverse).max(-limit).min(limit);
+        for k in 0..3 {
+            rows[axis][k] = (to_camera[axis][k] - tangent[axis] * to_camera[2][k]) * scale;
+        }
+    }
+    let [xx, xy, yy, sharp] = source.shape(simd, &rows, range.clone());
     let added = added(simd, view.low_pass, [xx, xy, yy, sharp]);
     let det = sharp + (xx + yy) * added + added * added;
     let (xx, yy) = (xx + added, yy + added);
@@ -351,7 +270,7 @@ fn project_lanes<S: Simd>(
         scale,
         tangent,
     };
-    let peak = source.peak(simd, &seen, picked);
+    let peak = source.peak(simd, &seen, range);
     // Positive and finite; NaN is neither.
     visible &= det.simd_gt(zero) & det.simd_lt(f32x16::splat(simd, f32::MAX));
     visible &= blend.is_seen(simd, peak);

@@ -22,12 +22,3 @@ pub(super) fn added<S: Simd>(
     let smaller = determinant / larger.max(f32x16::splat(simd, f32::MIN_POSITIVE));
     (variance - smaller).max(f32x16::splat(simd, LEAST_VARIANCE))
 }
-
-/// The most variance that is added to any covariance.
-#[inline(always)]
-pub(super) fn most_added(low_pass: LowPass) -> f32 {
-    match low_pass {
-        LowPass::Added(variance) => variance,
-        LowPass::Lacking(variance) => variance.max(LEAST_VARIANCE),
-    }
-}

@@ -43,11 +43,6 @@ impl Blend for Integral {
     }
 
     #[inline(always)]
-    fn farthest_end(self) -> f32 {
-        self.profile.0.end
-    }
-
-    #[inline(always)]
     fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool {
         if let Some(depths) = self.profile.depths(simd, splat, exponent) {
             block.state = (f32x16::simd_from(simd, block.state) + depths).to_array();

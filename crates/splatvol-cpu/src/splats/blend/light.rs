@@ -91,11 +91,6 @@ impl Blend for Light {
         self.profile.end(simd)
     }
 
-    #[inline(always)]
-    fn farthest_end(self) -> f32 {
-        self.profile.0.end
-    }
-
     /// A pixel that has ended keeps its transmittance with the sign turned.
     #[inline(always)]
     fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool {

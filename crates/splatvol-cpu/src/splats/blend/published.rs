@@ -58,12 +58,6 @@ impl Blend for Published {
         kept + LOG2_255
     }
 
-    /// That of opacity one.
-    #[inline(always)]
-    fn farthest_end(self) -> f32 {
-        LOG2_255
-    }
-
     /// Three standard deviations, rounded up.
     #[inline(always)]
     fn square<S: Simd>(self, simd: S, [xx, xy, yy]: [f32x16<S>; 3]) -> f32x16<S> {
