@@ -47,6 +47,10 @@ function read(readers, path) {
 }
 
 const [engine, readers, path, keys = "{}", edge = "512"] = process.argv.slice(2);
+if (path === undefined) {
+  console.error("usage: node benches/web/frames.mjs ENGINE READERS FILE [KEYS] [EDGE]");
+  process.exit(2);
+}
 const { found, bytes } = read(module(readers), path);
 const document = { ...JSON.parse(keys), item: found.items.map(({ name }) => ({ file: name })) };
 const open = {
