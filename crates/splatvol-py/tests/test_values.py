@@ -136,7 +136,7 @@ def test_files_that_are_not_there_and_endings_of_scenes(tmp_path: Path) -> None:
         sv.load(tmp_path / "missing.toml")
     assert str(raised.value) == f"[Errno 2] No such file or directory: '{tmp_path / 'missing.toml'}'"
     for data in ("https://example.org/brain.zarr", "sample:head"):
-        with pytest.raises(sv.InvalidValue, match="is no scene: splatvol.read reads data"):
+        with pytest.raises(sv.InvalidValue, match=r"is no scene: splatvol\.read reads data"):
             sv.load(data)
     with pytest.raises(sv.InvalidValue, match=r"\.toml or \.json"):
         sv.Scene("sample:head:8").save(tmp_path / "s.yaml")
