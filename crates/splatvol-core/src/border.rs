@@ -1,15 +1,18 @@
 //! Border: coverage at the faces of the volume (docs/numerics.md, `q`).
 //!
-//! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`. Its share on the
-//! lattice, which continues the box by a margin, is the same with the margin added. Only vectors of pixels near a
-//! face are evaluated; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` has an error of less
-//! than 2e-4.
+//! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`, and its share on the
+//! lattice, which continues the box by a margin, is `1 - M`, M that of the points beyond its end ([`Beyond`]). Only
+//! vectors of pixels near a face are evaluated; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))`
+//! has an error of less than 2e-4.
+
+mod beyond;
 
 use crate::bin::TileRect;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
 use crate::exponential::{exp2, exp2_of};
+use beyond::Beyond;
 
 /// The volume's box in camera space.
 #[derive(Debug, Clone)]
@@ -22,6 +25,8 @@ pub struct Border {
     margin: Vec3,
     /// Standard deviation of the kernel, voxels.
     sigma: f32,
+    /// Weight of the points beyond the lattice.
+    beyond: Beyond,
 }
 
 /// Shares of the kernel at sixteen points.
@@ -72,6 +77,7 @@ impl Border {
             size: Vec3::splat(2.0),
             margin: Vec3::ZERO,
             sigma: 0.0,
+            beyond: Beyond::default(),
         }
     }
 
@@ -86,6 +92,7 @@ impl Border {
             size: Vec3::from_array(dims.map(|n| n as f32)),
             margin: Vec3::from_array(margin.map(|n| n as f32)),
             sigma: sigma as f32,
+            beyond: Beyond::new(sigma),
         }
     }
 
@@ -129,7 +136,7 @@ impl Border {
         let (from, step) = (plane.at(x, y), plane.step_x);
         let lanes = f32x16::from_slice(simd, &LANES);
         let one = f32x16::splat(simd, 1.0);
-        let (mut own, mut all) = (one, one);
+        let (mut own, mut per_weight) = (one, one);
         let to = from + step * LAST_LANE;
         for axis in 0..3 {
             let (low, high) = (from[axis].min(to[axis]), from[axis].max(to[axis]));
@@ -141,25 +148,26 @@ impl Border {
             // Only the nearer face matters, unless the box is thin.
             let near = x.min(size - x);
             own *= cumulative(simd, near);
-            all *= cumulative(simd, near + margin);
+            let mut ratio = self.beyond.ratio(simd, near + margin);
             if size < 2.0 * REACH {
                 own *= cumulative(simd, size - near);
-                all *= cumulative(simd, size + margin - near);
+                ratio = both_ends(simd, ratio, self.beyond.ratio(simd, size + margin - near));
             }
+            per_weight *= one + ratio;
         }
         let coverage = ((own - 0.5) * (1.0 / RAMP) + 0.5)
             .max(f32x16::splat(simd, 0.0))
             .min(one);
         Shares {
             coverage,
-            per_weight: one / all.max(f32x16::splat(simd, FADED)),
+            per_weight: per_weight.min(f32x16::splat(simd, 1.0 / FADED)),
         }
     }
 
     /// Coverage, and one over the share on the lattice, of one pixel of a plane.
     pub fn at_pixel(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> [f32; 2] {
         let point = plane.at(x, y);
-        let (mut own, mut all) = (1.0, 1.0);
+        let (mut own, mut per_weight) = (1.0, 1.0);
         for axis in 0..3 {
             let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
             let x = point[axis] / self.sigma;
@@ -168,14 +176,15 @@ impl Border {
                 continue;
             }
             own *= cumulative_of(near);
-            all *= cumulative_of(near + margin);
+            let mut ratio = self.beyond.ratio_of(near + margin);
             if size < 2.0 * REACH {
                 own *= cumulative_of(size - near);
-                all *= cumulative_of(size + margin - near);
+                ratio = both_ends_of(ratio, self.beyond.ratio_of(size + margin - near));
             }
+            per_weight *= 1.0 + ratio;
         }
         let coverage: f32 = ((own - 0.5) * (1.0 / RAMP) + 0.5).clamp(0.0, 1.0);
-        [coverage, 1.0 / f32::max(all, FADED)]
+        [coverage, f32::min(per_weight, 1.0 / FADED)]
     }
 }
 
@@ -197,6 +206,23 @@ impl BorderPlane {
 const LANES: [f32; 16] = [
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
 ];
+
+/// `M / (1 - M)` of what lies beyond both ends of an axis, from those of each: at thin boxes the shares add up.
+#[inline(always)]
+fn both_ends<S: Simd>(simd: S, a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    let product = a * b;
+    let left = (f32x16::splat(simd, 1.0) - product).max(f32x16::splat(simd, LEAST_LEFT));
+    (a + b + product * 2.0) / left
+}
+
+/// Scalar version of `both_ends`.
+fn both_ends_of(a: f32, b: f32) -> f32 {
+    let product = a * b;
+    (a + b + product * 2.0) / f32::max(1.0 - product, LEAST_LEFT)
+}
+
+/// Far less than a share that counts.
+const LEAST_LEFT: f32 = 1e-3;
 
 /// Standard normal cumulative distribution.
 #[inline(always)]

@@ -2,11 +2,12 @@
 //!
 //! `h(x) = g(x) g(y) g(z) / (sum_j g(j))^3`, a Gaussian cut at `radius` along each axis and normalised to unit sum
 //! over the lattice. The papers' kernel `exp(-1.38 r^2)` is sigma = 0.602. zwicker2001 section 6 cuts at two sigma and
-//! loses 13.5 % of the mass; our presets cut at four, or at three and subtract what is left there
+//! loses 13.5 % of the mass; our presets cut at four, or at three and subtract half of what is left there
 //! ([`GaussianKernel::windowed`]).
 
 use splatvol_scene::Kernel;
 
+use crate::normal::mass_within;
 use crate::radial::RadialKernel;
 
 /// A Gaussian kernel with its derived numbers.
@@ -16,7 +17,7 @@ pub struct GaussianKernel {
     pub sigma: f64,
     /// Cut-off along each axis, voxels.
     pub radius: f64,
-    /// Edge subtracted from the profile: its value at the radius, or zero.
+    /// Edge subtracted from the profile: half its value at the radius, or zero.
     pub edge: f64,
     /// Sum of the profile over the integers within the radius.
     pub lattice_sum: f64,
@@ -31,13 +32,14 @@ impl GaussianKernel {
         Self::with_edge(sigma, radius, 0.0)
     }
 
-    /// As [`Self::new`], less the value at the radius, so that the kernel ends without a step. With sigma 0.605 and
-    /// radius 2 its sum over the lattice ripples by 1e-3, and the cut kernel's by 5e-3. A step of less than a
-    /// thousandth of the peak is kept: it is smaller than the effect of the window.
+    /// As [`Self::new`], less half the value at the radius, so that the kernel ends with half the step. With sigma
+    /// 0.64 and radius 2 its sum over the lattice ripples by 1e-3; all of the step off, it is too narrow, and none
+    /// off, its sum ripples by 5e-3. A step of less than a thousandth of the peak is kept: it is smaller than the
+    /// effect of the window.
     pub fn windowed(kernel: Kernel) -> Self {
         let (sigma, radius) = moments(kernel);
         let step = profile(radius, sigma);
-        Self::with_edge(sigma, radius, if step < LEAST_STEP { 0.0 } else { step })
+        Self::with_edge(sigma, radius, if step < LEAST_STEP { 0.0 } else { 0.5 * step })
     }
 
     fn with_edge(sigma: f64, radius: f64, edge: f64) -> Self {
@@ -83,6 +85,16 @@ impl GaussianKernel {
     /// Integer reach of the discrete filter.
     pub fn reach(&self) -> usize {
         self.radius.floor() as usize
+    }
+
+    /// Integral of the profile, less its edge, within a reach and where it is not negative, voxels.
+    pub fn integral_within(&self, reach: f64) -> f64 {
+        let end = match self.edge {
+            0.0 => reach,
+            edge => reach.min(self.sigma * (-2.0 * libm::log(edge)).sqrt()),
+        };
+        let whole = (2.0 * std::f64::consts::PI).sqrt() * self.sigma;
+        whole * mass_within(end / self.sigma) - 2.0 * end * self.edge
     }
 
     /// Integral of h over space, in voxels, without the cut: 1 up to the ripple (3e-4 for sigma 0.7).

@@ -14,7 +14,7 @@ use crate::classification::ClassificationTable;
 use crate::coefficients::{Coefficients, Use};
 
 fn kernel(sigma: f64, radius: f64) -> GaussianKernel {
-    GaussianKernel::windowed(Kernel::Gaussian { sigma, radius })
+    GaussianKernel::new(Kernel::Gaussian { sigma, radius })
 }
 
 fn volume(dims: [usize; 3], samples: Samples, rescale: Rescale) -> Arc<Volume> {
@@ -85,11 +85,11 @@ fn scatter(all: &mut [f32], [nx, ny, nz]: [usize; 3], first: [u32; 3], values: &
 #[test]
 fn coefficients_are_those_of_the_whole_volume() {
     for (dims, sigma, radius) in [
-        ([90, 45, 50], 0.605, 2.0),
+        ([90, 45, 50], 0.64, 2.0),
         ([150, 40, 37], 0.74, 3.0),
-        ([1, 40, 2], 0.605, 2.0),
-        ([13, 1, 1], 0.605, 2.0),
-        ([62, 30, 30], 0.605, 2.0),
+        ([1, 40, 2], 0.64, 2.0),
+        ([13, 1, 1], 0.64, 2.0),
+        ([62, 30, 30], 0.64, 2.0),
     ] {
         for noise in [0.1, 1.0] {
             let rescale = Rescale {
@@ -134,7 +134,7 @@ fn all_that_each_cell_by_itself_needs_is_there_and_little_else() {
         ([64, 9, 2], 0.0),
     ] {
         let volume = volume(dims, waves_u8(dims, noise, 11), Rescale::default());
-        let kernel = kernel(0.605, 2.0);
+        let kernel = kernel(0.64, 2.0);
         let (coefficients, _) = Coefficients::new(&volume, Use::Field(Some(&kernel)));
         let mut store = FieldStore::new(volume.clone(), &kernel);
         for opacity in [
@@ -186,7 +186,7 @@ fn edits_leave_what_a_new_store_would_hold() {
     let mut random = Random::new(21);
     for (dims, noise) in [([150, 40, 70], 0.1), ([40, 80, 33], 0.02), ([70, 70, 1], 0.5)] {
         let volume = volume(dims, waves_u8(dims, noise, 2), Rescale::default());
-        let kernel = kernel(0.605, 2.0);
+        let kernel = kernel(0.64, 2.0);
         let fresh = FieldStore::new(volume.clone(), &kernel);
         let mut frugal = fresh.clone();
         frugal.keep_all = false;
@@ -233,7 +233,7 @@ fn missing_samples_stay_missing_and_do_not_spread() {
         data[(10 * 20 + 9) * 30 + 8] = middle;
         volume(dims, Samples::F32(data.into()), Rescale::default())
     };
-    let kernel = kernel(0.605, 2.0);
+    let kernel = kernel(0.64, 2.0);
     let [missing, filled] = [f32::NAN, 3.0].map(|middle| {
         let volume = data(middle);
         let mut store = FieldStore::new(volume.clone(), &kernel);
@@ -310,7 +310,7 @@ fn what_can_be_seen_beside_missing_samples_and_without_the_prefilter_is_there() 
             }
         }
         let holed = volume(dims, Samples::F32(data.into()), Rescale::default());
-        let kernel = kernel(0.605, 2.0);
+        let kernel = kernel(0.64, 2.0);
         let (field, store) = match interpolates {
             true => (Some(&kernel), FieldStore::new(holed.clone(), &kernel)),
             false => (None, FieldStore::of_samples(holed.clone(), &kernel)),
@@ -332,7 +332,7 @@ fn what_can_be_seen_beside_missing_samples_and_without_the_prefilter_is_there() 
             let (mut seen, mut needed) = (0, 0);
             for _ in 0..40_000 {
                 let at: [f64; 3] = std::array::from_fn(|a| 1.0 + random.unit() * (dims[a] - 1) as f64);
-                let [value, share] = value_at(&field, 0.605, at);
+                let [value, share] = value_at(&field, 0.64, at);
                 // Remaining samples with a smaller share hardly cover anything.
                 if share < 0.05 || !levels.any(value as f32, value as f32) {
                     continue;

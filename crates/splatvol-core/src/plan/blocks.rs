@@ -1,6 +1,7 @@
 //! Blocks: footprints are drawn in squares of whole blocks of 2 x 2 raster points, in a few sizes.
 
 use super::raster::SheetShape;
+use crate::normal::mass_within;
 
 /// Largest footprint, blocks along an edge. Other sizes are rounded up to the next compiled one.
 pub const MAX_BLOCKS: usize = 16;
@@ -58,6 +59,21 @@ pub fn blocks_of([x, y]: [f32; 2]) -> usize {
         .unwrap_or(MAX_BLOCKS)
 }
 
+/// Share of a footprint's mass within the blocks in which it is drawn.
+pub(super) fn mass_drawn(shape: &SheetShape, cut: f32, room: &Room) -> f32 {
+    let blocks = blocks_of(room_of(shape, cut, room));
+    let share = |sigma: f32| mass_in_blocks(blocks, f64::from(sigma)) as f32;
+    let [x, y] = shape.half_extent(1.0).map(share);
+    x * y
+}
+
+/// Share of a Gaussian's mass, of standard deviation `sigma`, raster points, along an axis. Blocks begin at even points: on
+/// average over the centre's places, their points are those around it and one farther, half each.
+fn mass_in_blocks(blocks: usize, sigma: f64) -> f64 {
+    let half = |beside: f64| 0.5 * mass_within((blocks as f64 + beside) / sigma);
+    half(0.5) + half(-0.5)
+}
+
 /// Whether the largest blocks hold footprints that reach so far.
 pub(super) fn fit_blocks([x, y]: [f32; 2]) -> bool {
     DRAWN * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
@@ -69,4 +85,29 @@ pub(super) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
     let blocks = blocks_of(half_extent) as f32 + OFF_CENTRE;
     let spline = if step > 1 { 2.0 } else { 0.0 };
     (blocks + spline) * step as f32 + 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mass_in_blocks_is_that_of_their_points_wherever_the_centre_is() {
+        for (blocks, sigma) in [(2, 0.8), (3, 1.2), (5, 1.2), (4, 2.3), (16, 4.6)] {
+            let (mut sum, places) = (0.0, 200);
+            for place in 0..places {
+                let centre = 2.0 * (f64::from(place) + 0.5) / f64::from(places) - 1.0;
+                let points = (0..2 * blocks).map(|i| i as f64 - blocks as f64 + 0.5 - centre);
+                sum += points
+                    .map(|x| crate::normal::density(x / sigma) / sigma)
+                    .sum::<f64>();
+            }
+            let expected = sum / f64::from(places);
+            let mass = mass_in_blocks(blocks, sigma);
+            assert!(
+                (mass - expected).abs() < 1e-5,
+                "{blocks} {sigma}: {mass} {expected}"
+            );
+        }
+    }
 }

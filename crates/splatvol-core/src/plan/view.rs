@@ -11,7 +11,6 @@ use super::zones::{Cutting, GridKernel, Sheets};
 use super::{GROUP, Rays, Room};
 use crate::footprint::FootprintShape;
 use crate::kernel::GaussianKernel;
-use crate::normal::mass_within;
 use crate::sheets::Planes;
 
 /// Cut of kernels in depth for analytic gradients, standard deviations: there, voxels that appear and vanish by
@@ -119,7 +118,7 @@ impl GridView {
                 variances: variances(&covariances),
                 low_pass: low_pass(settings.method.filter.into()),
                 widths: Widths::of(settings),
-                peak: peak(&kernel, sampling),
+                peak: peak(&kernel, reach_of_groups(groups, spacing) / per_voxel),
                 steepest,
                 along_rays,
                 reach,
@@ -233,6 +232,11 @@ impl GridView {
         self.reach
     }
 
+    /// Distance in depth within which a voxel meets planes, world length.
+    pub fn planes_reach(&self) -> f64 {
+        reach_of_groups(self.groups, self.spacing())
+    }
+
     /// Planes before, within and behind the grid.
     pub fn planes(&self) -> Planes {
         self.sheets.planes
@@ -333,16 +337,15 @@ impl GridView {
     }
 }
 
-/// Peak of a kernel's samples on planes.
-fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
-    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
-    let along = match sampling {
-        // Sums are divided by their weights, whose mean this makes one.
-        Sampling::Field if kernel.edge == 0.0 => lateral * mass_within(kernel.cut()),
-        Sampling::Field => kernel.lattice_sum,
-        _ => lateral * mass_within(kernel.cut()) - 2.0 * kernel.radius * kernel.edge,
-    };
-    1.0 / (lateral * lateral * along)
+/// Peak of a kernel of unit integral over the planes within a reach in depth, voxels: sums of weights have the mean one.
+fn peak(kernel: &GaussianKernel, reach: f64) -> f64 {
+    let lateral = 2.0 * std::f64::consts::PI * kernel.sigma * kernel.sigma;
+    1.0 / (lateral * kernel.integral_within(reach))
+}
+
+/// Distance in depth within which so many groups of planes lie around a voxel, in the unit of their spacing.
+fn reach_of_groups(groups: usize, spacing: f64) -> f64 {
+    0.5 * (groups * GROUP) as f64 * spacing
 }
 
 /// Corners of a grid's whole lattice, camera space; unlike those of its needed part, they do not depend on the

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{pixel_reach, room_of};
+use super::blocks::{mass_drawn, pixel_reach, room_of};
 use super::extents::Extents;
 use super::project::BrickProjection;
 use super::raster::SheetShape;
 use super::view::GridView;
-use super::zones::Zone;
+use super::zones::{Evaluation, Zone};
 use super::{Bricks, SplatConstants};
 use crate::bin::{ProjectedBrick, TileGrid, TileLists};
 
@@ -39,6 +39,13 @@ impl ZonePlan {
             (zone.first_made..=planes.count)
                 .map(|i| SheetShape::new(view.shape(), &screen, &raster, planes.plane(i) - before)),
         );
+        if !along_rays && zone.footprints != Evaluation::Direct {
+            // What blocks leave out is made up for, so that weights have the mean of whole footprints.
+            let (cut, room) = (zone.cut as f32, view.room());
+            for sheet in &mut self.sheets {
+                sheet.peak /= mass_drawn(sheet, cut, &room);
+            }
+        }
         // Planes before the first have no footprint; its scale stands for theirs.
         let first = self.sheets[0];
         let none = |i| SheetShape {

@@ -347,7 +347,8 @@ impl Cutting<'_> {
         let drift = extents.drift(extents.steepest);
         if kernels.round {
             // Footprints that are cut later have larger powers.
-            let may_fail = extents.widths.is_exact || extents.are_long();
+            let cut_late = self.footprint_cut(raster) > extents.widths.cut;
+            let may_fail = extents.widths.is_exact || extents.are_long() || cut_late;
             let fit = !may_fail || round_powers_fit(&far, blocks, drift);
             return fit.then_some(Evaluation::Round);
         }

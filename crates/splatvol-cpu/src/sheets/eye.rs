@@ -61,7 +61,7 @@ impl Eye {
         self.variance = shape.depth_sigma * shape.depth_sigma;
         self.edge = kernel.edge;
         self.peak = peak;
-        self.reach = kernel.cut() * shape.depth_sigma;
+        self.reach = view.planes_reach();
         let eye = self.camera_from_lattice.inverse().translation;
         // In voxels the kernel is a sphere.
         let far = DVec3::splat(kernel.sigma * libm::hypot(kernel.cut(), LATERAL_CUT));
