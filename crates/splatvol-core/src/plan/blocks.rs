@@ -60,7 +60,7 @@ pub fn blocks_of([x, y]: [f32; 2]) -> usize {
 }
 
 /// Share of a footprint's mass within the blocks in which it is drawn.
-pub(super) fn mass_drawn(shape: &SheetShape, cut: f32, room: &Room) -> f32 {
+pub fn mass_drawn(shape: &SheetShape, cut: f32, room: &Room) -> f32 {
     let blocks = blocks_of(room_of(shape, cut, room));
     let share = |sigma: f32| mass_in_blocks(blocks, f64::from(sigma)) as f32;
     let [x, y] = shape.half_extent(1.0).map(share);

@@ -35,7 +35,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use splatvol_scene::{ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
-pub use blocks::{BELOW_CUT, MAX_BLOCKS, Room, SIZES, TRIMMED, blocks_of, room_of};
+pub use blocks::{BELOW_CUT, MAX_BLOCKS, Room, SIZES, TRIMMED, blocks_of, mass_drawn, room_of};
 pub use extents::low_pass;
 pub use order::DepthOrder;
 pub use raster::{Raster, SheetShape, half_extent};

@@ -5,7 +5,7 @@ use splatvol_core::bin::TileLists;
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{
     Bricks, DepthOrder, Evaluation, FramePlan, GridView, Rays, Room, SheetShape, SplatConstants, Zone,
-    ZonePlan, room_of,
+    ZonePlan, mass_drawn, room_of,
 };
 use splatvol_core::sheets::Planes;
 use splatvol_scene::{RenderSettings, SheetSettings};
@@ -141,6 +141,14 @@ impl SheetFrame<'_> {
     /// Half extent of footprints on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
         room_of(shape, self.cut, &self.room)
+    }
+
+    /// Share of a footprint's mass that is drawn.
+    pub(crate) fn mass_drawn(&self, shape: &SheetShape) -> f32 {
+        match self.zone.footprints {
+            Evaluation::Direct => 1.0,
+            _ => mass_drawn(shape, self.cut, &self.room),
+        }
     }
 }
 

@@ -101,7 +101,7 @@ impl Mode<1> for Integral<'_> {
     fn group(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
         let shape = self.shape(frame, place, sheet);
         GroupShape::same(&SheetShape {
-            peak: shape.peak * self.slab(frame, sheet).most(),
+            peak: shape.peak * self.slab(frame, sheet).most() / frame.mass_drawn(&shape),
             ..shape
         })
     }
