@@ -5,7 +5,8 @@
 //!
 //! `K(d) = peak exp(-e^T L^-1 e / 2) (g(d_z) - edge)`, `e = d_xy - t d_z`, g the kernel's profile in depth
 //!
-//! in the notation of [`splatvol_core::footprint`]. The plane at the eye holds S in every pixel. The plane before
+//! in the notation of [`splatvol_core::footprint`]. All pixels see this one sample, so S is divided there by the sum
+//! of K over all lattice points, whose ripple averages out on other planes. The plane at the eye holds S in every pixel. The plane before
 //! it lies on the other side of the eye and is extrapolated along each pixel's ray by a cubic. The cubic has the
 //! values v of the eye and the two planes in front of it, and at the eye the slope `s = t grad S . ray`, t the
 //! planes' distance. Its value at the plane before is `-3 v_eye / 2 + 3 v_1 - v_2 / 2 - 3 s`. The gradient across
@@ -39,6 +40,8 @@ pub(crate) struct Eye {
     peak: f64,
     /// Reach of a voxel, world length.
     reach: f64,
+    /// Sum of the weights of an endless lattice at the eye, and its gradient.
+    weights: (f64, DVec3),
 }
 
 /// Sums and their gradients, camera space, per world length.
@@ -48,6 +51,22 @@ struct Jet<const N: usize> {
     gradient: [DVec3; N],
     /// Weight of missing samples and its gradient.
     missing: (f64, DVec3),
+}
+
+impl<const N: usize> Jet<N> {
+    /// Means instead of sums, given the sum of all weights and its gradient.
+    fn per_weights(self, (sum, slope): (f64, DVec3)) -> Self {
+        let mean = |value: f64, gradient: DVec3| {
+            let mean = value / sum;
+            (mean, (gradient - mean * slope) / sum)
+        };
+        let means: [_; N] = std::array::from_fn(|n| mean(self.value[n], self.gradient[n]));
+        Self {
+            value: means.map(|mean| mean.0),
+            gradient: means.map(|mean| mean.1),
+            missing: mean(self.missing.0, self.missing.1),
+        }
+    }
 }
 
 impl Eye {
@@ -64,7 +83,8 @@ impl Eye {
         self.reach = view.planes_reach();
         let eye = self.camera_from_lattice.inverse().translation;
         // In voxels the kernel is a sphere.
-        let far = DVec3::splat(kernel.sigma * libm::hypot(kernel.cut(), LATERAL_CUT));
+        let far = DVec3::splat(kernel.sigma * libm::hypot(self.reach / shape.depth_sigma, LATERAL_CUT));
+        self.weights = self.weights_between((eye - far).ceil(), (eye + far).floor());
         let meets = |index: usize| {
             let first = DVec3::from_array(bricks.first(index).map(f64::from));
             let last = first + (BRICK - 1) as f64;
@@ -78,6 +98,20 @@ impl Eye {
         );
     }
 
+    /// Sum of the weights of lattice points at the eye, and its gradient.
+    fn weights_between(&self, first: DVec3, last: DVec3) -> (f64, DVec3) {
+        let count = (last - first).to_array().map(|n| n as usize + 1);
+        let (mut sum, mut slope) = (0.0, DVec3::ZERO);
+        for i in 0..count.into_iter().product::<usize>() {
+            let [x, y, z] = [i % count[0], i / count[0] % count[1], i / (count[0] * count[1])];
+            let point = first + DVec3::new(x as f64, y as f64, z as f64);
+            let (weight, gradient) = self.weight(-self.camera_from_lattice.transform_point3(point));
+            sum += weight;
+            slope += gradient;
+        }
+        (sum, slope)
+    }
+
     /// Weight and its gradient at an offset from a voxel.
     fn weight(&self, offset: DVec3) -> (f64, DVec3) {
         let e = offset.truncate() - self.slope * offset.z;
@@ -86,9 +120,12 @@ impl Eye {
         if offset.z.abs() > self.reach || exponent < -0.5 * LATERAL_CUT * LATERAL_CUT {
             return (0.0, DVec3::ZERO);
         }
-        let lateral = self.peak * libm::exp(exponent);
         let profile = libm::exp(-0.5 * offset.z * offset.z / self.variance);
-        let weight = lateral * (profile - self.edge).max(0.0);
+        if profile <= self.edge {
+            return (0.0, DVec3::ZERO);
+        }
+        let lateral = self.peak * libm::exp(exponent);
+        let weight = lateral * (profile - self.edge);
         let along = self.slope.dot(q) * weight - lateral * profile * offset.z / self.variance;
         (weight, (-q * weight).extend(along))
     }
@@ -132,7 +169,7 @@ impl Eye {
             }
         }
         scratch.give_slot(slot);
-        jet
+        jet.per_weights(self.weights)
     }
 
     /// Computes the planes at and before the eye, given the two in front of it.
