@@ -7,7 +7,7 @@
 
 use splatvol_scene::Kernel;
 
-use crate::normal::mass_within;
+use crate::normal::{density, mass_within};
 use crate::radial::RadialKernel;
 
 /// A Gaussian kernel with its derived numbers.
@@ -87,6 +87,16 @@ impl GaussianKernel {
         self.radius.floor() as usize
     }
 
+    /// Standard deviation of a Gaussian that has the variance of this one once it is cut at the radius: of a cut at c
+    /// deviations `1 - 2 c phi(c) / (2 Phi(c) - 1)` of the variance is left.
+    pub fn sigma_before_cut(&self) -> f64 {
+        let left = |c: f64| 1.0 - 2.0 * c * density(c) / mass_within(c);
+        let wider = |sigma: f64| self.sigma / left(self.radius / sigma).sqrt();
+        // Each step leaves a tenth of the error and less, where the cut is not part of the kernel.
+        let before = (0..STEPS).fold(self.sigma, |sigma, _| wider(sigma));
+        before.min(MOST_WIDER * self.sigma)
+    }
+
     /// Integral of the profile, less its edge, within a reach and where it is not negative, voxels.
     pub fn integral_within(&self, reach: f64) -> f64 {
         let end = match self.edge {
@@ -102,6 +112,11 @@ impl GaussianKernel {
         ((2.0 * std::f64::consts::PI).sqrt() * self.sigma / self.lattice_sum).powi(3)
     }
 }
+
+/// Steps to the deviation before a cut.
+const STEPS: usize = 4;
+/// Deviations that are wider by more belong to kernels whose cut, at 2.6 deviations and less, is a part of them.
+const MOST_WIDER: f64 = 1.05;
 
 /// Steps below this share of the peak are not windowed away.
 const LEAST_STEP: f64 = 1e-3;
@@ -135,6 +150,41 @@ mod tests {
                 (kernel.mass() - 1.0).abs() < 3.2 * ripple + 1e-4,
                 "{sigma} {radius} {}",
                 kernel.mass()
+            );
+        }
+    }
+    #[test]
+    fn a_cut_gaussian_has_the_variance_of_the_whole_one() {
+        for (sigma, radius, error) in [(0.64, 2.0, 1e-5), (0.74, 3.0, 1e-8), (1.2, 6.0, 1e-8)] {
+            let before = GaussianKernel::new(Kernel::Gaussian { sigma, radius }).sigma_before_cut();
+            let points = (0..20_000).map(|i| (f64::from(i) + 0.5) / 20_000.0 * radius);
+            let (mass, second) = points.fold((0.0, 0.0), |(mass, second), x| {
+                let weight = profile(x, before);
+                (mass + weight, second + weight * x * x)
+            });
+            let found = second / mass / (sigma * sigma);
+            println!("{sigma} cut at {radius}: {before}, {found}");
+            assert!((found - 1.0).abs() < error, "{sigma} {radius}: {before}, {found}");
+        }
+    }
+
+    #[test]
+    fn integrals_are_those_of_the_profile() {
+        let kernel = |sigma, radius| GaussianKernel::windowed(Kernel::Gaussian { sigma, radius });
+        for (kernel, reach) in [
+            (kernel(0.64, 2.0), 2.0),
+            (kernel(0.64, 2.0), 3.0),
+            (kernel(0.74, 3.0), 3.5),
+        ] {
+            let points = (0..40_000).map(|i| (f64::from(i) + 0.5) / 40_000.0 * reach);
+            let sum: f64 = points
+                .map(|x| (profile(x, kernel.sigma) - kernel.edge).max(0.0))
+                .sum();
+            let expected = 2.0 * sum * reach / 40_000.0;
+            let found = kernel.integral_within(reach);
+            assert!(
+                (found - expected).abs() < 1e-7,
+                "{kernel:?} {reach}: {found} {expected}"
             );
         }
     }

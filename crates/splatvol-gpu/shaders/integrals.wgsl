@@ -1,6 +1,7 @@
 // Integrals: what rays keep of extinction and emission, the former above a transmittance of one, and pixels of it.
 
-// A ray's integrals become the pixel of a homogeneous slab.
+// A ray's integrals become the pixel of a homogeneous slab, with its optical depth, negative, in place of its transmittance:
+// that of dense material is no number.
 fn settle_at(at: vec2<u32>) {
     let index = at.y * frame.size.x + at.x;
     let kept = colors[index];
@@ -13,6 +14,6 @@ fn settle_at(at: vec2<u32>) {
     let optical_depth = extinction * ray_length(vec2<f32>(at) + 0.5 - frame.principal);
     let through = exp2(max(-LOG2_E * optical_depth, LEAST_EXPONENT));
     let opacity = opacity_of(optical_depth, through);
-    colors[index] = vec4(kept.rgb / extinction * opacity, through);
+    colors[index] = vec4(kept.rgb / extinction * opacity, -optical_depth);
     depths[index] *= opacity / extinction;
 }

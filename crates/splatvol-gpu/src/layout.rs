@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use splatvol_core::level::Level;
+use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{GridView, Rays};
 use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
 
@@ -135,13 +135,18 @@ impl Picture<'_> {
         let before = self.planes_at_eye();
         let count = planes.count + 1 + before;
         let kernel = view.kernel();
+        // The CPU's kernels of classified voxels are whole Gaussians.
+        let sigma = match Wanted::of(settings) {
+            Wanted::Classified => kernel.sigma_before_cut(),
+            _ => kernel.sigma,
+        };
         let store = &level.field;
         FrameData {
             dims: store.dims().map(|n| n as i32),
             planes: count as u32,
             words: (count as u32).div_ceil(32),
             margin: store.margin().map(|n| n as f32),
-            sigma: kernel.sigma as f32,
+            sigma: sigma as f32,
             samples: store.source().grid().dims().map(|n| n as f32),
             radius: kernel.radius as f32,
             spacing: planes.spacing as f32,
@@ -158,9 +163,9 @@ impl Picture<'_> {
             isosurfaces: effects.isosurfaces,
             first_isosurface: effects.first_isosurface,
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
-            falls: falls(kernel.sigma),
+            falls: falls(sigma),
             middle: store.dims().map(|n| 0.5 * (n as f32 - 1.0)),
-            interior: interior(store.dims(), store.margin(), kernel.sigma),
+            interior: interior(store.dims(), store.margin(), sigma),
             ..FrameData::seen(settings, &view.rays())
         }
     }

@@ -336,17 +336,23 @@ impl March<'_> {
     }
 }
 
-/// Pixels of transmittance and depth sums to those of a frame, as `splatvol_cpu`'s resolve.
+/// Pixels of transmittance, or less than nothing: of negative optical depth, and of depth sums to those of a frame, as
+/// `splatvol_cpu`'s resolve.
 fn resolve((frame, background): (&mut Frame, f32), (colors, depth_sums): (&[[f32; 4]], &[f32])) {
     let rest = frame.depth.par_iter_mut().zip(&mut frame.optical_depth);
     let targets = frame.image.pixels.par_iter_mut().zip(rest);
     let found = colors.par_iter().zip(depth_sums);
     targets.zip(found).with_min_len(PIXELS_TOGETHER).for_each(
-        |((pixel, (depth, optical_depth)), (&[r, g, b, through], &depth_sum))| {
+        |((pixel, (depth, optical_depth)), (&[r, g, b, kept], &depth_sum))| {
+            let (through, tau) = if kept < 0.0 {
+                (kept.exp(), -kept)
+            } else {
+                (kept, -kept.max(f32::MIN_POSITIVE).ln())
+            };
             let covered = 1.0 - through;
             *pixel = [r, g, b, covered + through * background];
             (*depth, *optical_depth) = if covered > 0.0 {
-                (depth_sum / covered, -through.max(f32::MIN_POSITIVE).ln())
+                (depth_sum / covered, tau)
             } else {
                 (f32::INFINITY, 0.0)
             };

@@ -126,7 +126,9 @@ mod tests {
                 worst = worst.max((f64::from(1.0 + ratio) * weight - 1.0).abs());
             }
             println!("sigma {sigma}: 1 / W to {worst:.1e}");
-            assert!(worst < 2e-3, "{sigma}: {worst:.1e}");
+            // Of narrow kernels the logarithm is a chain of lines.
+            let limit = if sigma < 0.6 { 1e-2 } else { 1e-3 };
+            assert!(worst < limit, "{sigma}: {worst:.1e}");
         }
     }
 }

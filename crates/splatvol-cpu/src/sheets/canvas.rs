@@ -47,6 +47,8 @@ pub(crate) struct Canvas {
     pub transmittance: Vec<f32>,
     pub color: [Vec<f32>; 3],
     pub depth_sum: Vec<f32>,
+    /// Of X-rays, once they are finished: the transmittance of dense material is no number. Else empty.
+    pub optical_depth: Vec<f32>,
     pub pitch: usize,
     /// Whether something in front was composited by an earlier pass.
     pub continues: bool,
@@ -73,7 +75,7 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 impl Canvas {
     /// Memory held, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let planes = [&self.transmittance, &self.depth_sum]
+        let planes = [&self.transmittance, &self.depth_sum, &self.optical_depth]
             .into_iter()
             .chain(&self.color);
         planes
@@ -104,6 +106,7 @@ impl Canvas {
             plane.clear();
             plane.resize(length, value);
         }
+        self.optical_depth.clear();
         self.composite();
         self.touched.clear();
     }

@@ -220,13 +220,16 @@ impl Mode<1> for Integral<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, frame: &ZonedFrame<'_>, rect: &TileRect, canvas: &mut Canvas) {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        canvas.optical_depth.resize(canvas.transmittance.len(), 0.0);
         for y in 0..rect.y1 - rect.y0 {
             for x in (0..rect.x1 - rect.x0).step_by(16) {
                 let pixel = y * canvas.pitch + x;
                 let extinction = load(simd, &canvas.transmittance, pixel);
                 let seen = extinction.simd_gt(zero);
                 let length = ray_length(simd, &frame.plan.rays, [rect.x0 + x, rect.y0 + y]);
-                let (through, opacity) = through_and_opacity(simd, extinction * length);
+                let optical_depth = extinction * length;
+                optical_depth.store_slice(&mut canvas.optical_depth[pixel..pixel + 16]);
+                let (through, opacity) = through_and_opacity(simd, optical_depth);
                 let per_extinction = opacity / seen.select(extinction, one);
                 for plane in &mut canvas.color {
                     let emission = load(simd, plane, pixel);

@@ -132,15 +132,20 @@ fn row_of(
     let source = first..first + pixels.len();
     let [r, g, b] = &canvas.color;
     let (r, g, b) = (&r[source.clone()], &g[source.clone()], &b[source.clone()]);
-    let (through, depth_sum) = (&canvas.transmittance[source.clone()], &canvas.depth_sum[source]);
+    let (through, depth_sum) = (
+        &canvas.transmittance[source.clone()],
+        &canvas.depth_sum[source.clone()],
+    );
+    let integral = canvas.optical_depth.get(source);
     for x in 0..pixels.len() {
         let alpha = 1.0 - through[x];
         pixels[x] = [r[x], g[x], b[x], alpha];
+        let optical_depth = || match integral {
+            Some(integral) => integral[x],
+            None => -libm::logf(through[x].max(f32::MIN_POSITIVE)),
+        };
         (depths[x], optical_depths[x]) = if alpha > 0.0 {
-            (
-                depth_sum[x] / alpha,
-                -libm::logf(through[x].max(f32::MIN_POSITIVE)),
-            )
+            (depth_sum[x] / alpha, optical_depth())
         } else {
             (f32::INFINITY, 0.0)
         };

@@ -355,7 +355,15 @@ fn x_rays_are_the_cpu_s() {
             wide,
             same,
         ),
-        ("volume", scene([head(), points()]), wide, (44.0, 0.88)),
+        ("volume", scene([head(), points()]), wide, (54.0, 0.95)),
+        ("volume-best", scene([head(), points()]), best, (54.0, 0.95)),
+        ("volume-mesh", scene([head(), mesh()]), fast, (50.0, 0.9)),
+        (
+            "volume-gaussians",
+            scene([head(), gaussians(3, 400)]),
+            fast,
+            (50.0, 0.9),
+        ),
     ] {
         for projection in [PERSPECTIVE, PARALLEL] {
             let camera = camera(&scene, projection);

@@ -184,7 +184,7 @@ fn a_sweep_through_the_levels_changes_by_bounded_steps_at_ever_less_cost() {
     let head = generated(Sample::Head, 96);
     for (look, scene, [within_limit, across_limit]) in [
         ("opaque shells", opaque(&shells), [3.8, 5.0]),
-        ("translucent shells", shells, [0.075, 1.0]),
+        ("translucent shells", shells, [0.08, 1.0]),
         ("head", head, [0.053, 0.14]),
     ] {
         for projection in PROJECTIONS {

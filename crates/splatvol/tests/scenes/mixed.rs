@@ -210,6 +210,40 @@ fn x_rays_add_up() {
     }
 }
 
+/// Material so dense that no number holds its transmittance has its share of colours, too.
+#[test]
+fn x_rays_of_dense_things_add_up() {
+    let colors = [[0.9, 0.2, 0.1], [0.1, 0.3, 0.9]];
+    let densities = [8.0, 3.0];
+    let ball = |at: usize| {
+        let field = Ball {
+            centre: DVec3::ZERO,
+            radius: 12.0,
+        };
+        let grid = Grid::centred([32; 3], DVec3::ONE).unwrap();
+        let look = linear_extinction([0.0, 1.0], densities[at], colors[at]);
+        volume((sample(&field, &grid), look))
+    };
+    let camera = orthographic(DVec3::ZERO, DVec3::new(0.1, 0.5, 1.0), 32.0);
+    let settings = checked(FlatSettings {
+        compositing: Compositing::Xray,
+        ..unlit(48, 48).into()
+    });
+    let frame = picture(vec![ball(0), ball(1)], &camera, &settings);
+    let all: f64 = densities.iter().sum();
+    let depth = f64::from(frame.optical_depth[24 * 48 + 24]);
+    // Along a diameter of `1 - (r / 12)^2`.
+    let expected = all * 12.0 * 4.0 / 3.0;
+    assert!((depth / expected - 1.0).abs() < 0.02, "{depth} {expected}");
+    for &[r, g, b, alpha] in frame.image.pixels.iter().filter(|pixel| pixel[3] > 0.1) {
+        for (channel, level) in [r, g, b].into_iter().enumerate() {
+            let mean = (0..2).map(|at| densities[at] * colors[at][channel]).sum::<f64>() / all;
+            let found = f64::from(level / alpha);
+            assert!((found - mean).abs() < 1e-4, "{channel}: {found} {mean}");
+        }
+    }
+}
+
 #[test]
 fn pictures_do_not_depend_on_threads() {
     let gaussians = Item::gaussians(cloud(300, [0.02, 0.3], 3));
