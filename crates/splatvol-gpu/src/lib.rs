@@ -6,9 +6,10 @@
 //! `v = sum_k c_k h(x - k) / sum_k h(x - k)`,
 //!
 //! h a product of Gaussians cut at `radius` along the voxel axes: 4 or 6 voxels along each of them. The CPU splats the
-//! same kernels, cut across the ray instead, and less their edge in depth: planes differ by up to a hundredth of the range
+//! same kernels, cut across the ray instead, and less half of their edge in depth: planes differ by up to half a hundredth of the range
 //! at full-contrast edges with the presets' kernel of radius 2. Intervals between planes are classified, lit and
-//! composited from the CPU's tables by its rules.
+//! composited from the CPU's tables by its rules. Kernels of voxels that are classified first are whole Gaussians on the CPU, so they are
+//! wider by what the cut takes from them ([`splatvol_core::kernel::GaussianKernel::sigma_before_cut`]).
 //!
 //! | pass | module | shader | from | to |
 //! |---|---|---|---|---|

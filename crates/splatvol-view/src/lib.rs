@@ -45,5 +45,30 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         options,
         Box::new(|creation| Ok(Box::new(ui::Viewer::new(&creation.egui_ctx, start)?))),
     );
-    created.map_err(|error| ViewError::Window(error.to_string()))
+    created.map_err(|error| ViewError::Window(without_source(&error.to_string())))
+}
+
+/// The text of an error of the system, `os error at FILE.rs:LINE: ...`, without the place in the sources of the library that met it.
+fn without_source(text: &str) -> String {
+    let parts = text.split_once("os error at ").and_then(|(before, place)| {
+        let (_, after) = place.split_once(".rs:")?;
+        let (_, message) = after.split_once(": ")?;
+        Some(format!("{before}{message}"))
+    });
+    parts.unwrap_or_else(|| text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_source;
+
+    #[test]
+    fn errors_of_the_system_name_no_source_of_a_library() {
+        let own = "winit EventLoopError: os error at /sources/winit-0.30.13/src/linux/mod.rs:764: no DISPLAY is set: none";
+        assert_eq!(
+            without_source(own),
+            "winit EventLoopError: no DISPLAY is set: none"
+        );
+        assert_eq!(without_source("no OpenGL"), "no OpenGL");
+    }
 }

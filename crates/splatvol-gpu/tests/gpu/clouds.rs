@@ -296,7 +296,7 @@ fn mixtures_are_the_cpu_s() {
     });
     let mut backwards: Vec<Item> = all().into();
     backwards.reverse();
-    // The CPU's kernels of volumes are narrower than the GPU's.
+    // The engines cut kernels of volumes in different ways.
     for (name, scene, settings, decibels, share) in [
         ("all", scene(all()), fast, 54.0, 0.97),
         ("backwards", scene(backwards), fast, 54.0, 0.97),

@@ -12,7 +12,7 @@ use splatvol_testing::{Comparison, Random, Tolerance, assert_images, checked};
 
 use super::common::{PROJECTIONS, assert_depths, camera, compare, gpu, scene, share_within_a_level, sized};
 
-/// Law 3, as far as the CPU's narrower kernels along the ray allow: docs/numerics.md, "The GPU's planes", has what is measured.
+/// Law 3, as far as the cuts of both engines' kernels allow: docs/numerics.md, "The GPU's planes", has what is measured.
 #[test]
 fn pictures_are_the_cpu_s() {
     let Some(mut gpu) = gpu() else { return };
@@ -52,7 +52,7 @@ fn pictures_are_the_cpu_s() {
     }
 }
 
-/// Law 3 of the preset `best`, whose kernels the CPU does not narrow: all but a thousandth of the pixels within a level.
+/// Law 3 of the preset `best`, whose kernels are cut where they are nothing: all but a thousandth of the pixels within a level.
 #[test]
 fn the_best_pictures_are_the_cpu_s() {
     let Some(mut gpu) = gpu() else { return };
@@ -376,7 +376,7 @@ fn pictures_are_repeated_to_the_bit_after_an_edit_and_back() {
 fn levels_behind_each_other_are_the_cpu_s() {
     let Some(mut gpu) = gpu() else { return };
     let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
-    // Of thin shells, close, the CPU's narrower kernels show more.
+    // Of thin shells, close, the cuts of kernels show more.
     for (sample, of_values, of_classes) in [(Sample::Ball, 53.0, 70.0), (Sample::Shells, 44.0, 62.0)] {
         let scene = scene(sample, 96);
         let bounds = scene.bounds().unwrap();
