@@ -371,6 +371,19 @@ fn x_rays_are_the_cpu_s() {
             compare((&mut gpu, &mut cpu), (&scene, &camera, &settings), &what, limits);
         }
     }
+    // Dense material has depths whose transmittance is no number.
+    let dense = scene([head(), mesh()]);
+    let camera = camera(&dense, PERSPECTIVE);
+    let mut middle = |renderer: &mut Renderer| {
+        let frame = renderer.render(&dense, &camera, &best).unwrap();
+        frame.optical_depth[32 * 64 + 30]
+    };
+    let [own, wanted] = [middle(&mut gpu), middle(&mut cpu)];
+    println!("gpu-xray-dense: {own} {wanted}");
+    assert!(
+        wanted > 100.0 && (own / wanted - 1.0).abs() < 0.01,
+        "{own} {wanted}"
+    );
     // From within, some kernels lie behind the eye.
     let both = scene([gaussians(3, 400), points()]);
     let what = "gpu-xray-within";
