@@ -4,8 +4,8 @@
 //!
 //! `tau = sum_i tau_i`, `c = sum_i tau_i c_i / tau`, `z = sum_i tau_i z_i / tau`,
 //!
-//! shown as one homogeneous slab (docs/numerics.md, mode xray): opacity `1 - exp(-tau)`. So a volume has the picture among others
-//! that it has alone, with its levels of detail.
+//! shown as one homogeneous slab (docs/numerics.md, mode xray): opacity `1 - exp(-tau)`, the transmittances' product. So a volume
+//! has the picture among others that it has alone, with its levels of detail, of which a transmittance may be a mean.
 
 use rayon::prelude::*;
 use splatvol_scene::Frame;
@@ -33,7 +33,7 @@ pub(crate) fn add(frame: &mut Frame, other: &Frame) {
             }
             let sum = *tau + others_tau;
             let share = others_tau / sum;
-            let alpha = -libm::expm1f(-sum);
+            let alpha = pixel[3] + others[3] - pixel[3] * others[3];
             let [own, mean] = [&*pixel, others].map(|&[r, g, b, a]| [r, g, b].map(|level| level / a));
             for channel in 0..3 {
                 pixel[channel] = (own[channel] + (mean[channel] - own[channel]) * share) * alpha;
@@ -86,6 +86,29 @@ mod tests {
             }
             assert!((found.depth[0] - wanted.depth[0]).abs() < 1e-5);
             assert!((found.optical_depth[0] - sum).abs() < 1e-6);
+        }
+    }
+
+    /// Where two levels of detail fade, transmittance and optical depth are a mean each, and not of each other.
+    #[test]
+    fn next_to_nothing_changes_next_to_nothing() {
+        let mut faded = slab(2.0, [0.5, 0.4, 0.3], 2.0);
+        for pixel in &mut faded.image.pixels {
+            *pixel = pixel.map(|level| 0.6 * level);
+        }
+        for order in [false, true] {
+            let mut found = faded.clone();
+            let mut other = slab(1e-4, [0.1, 0.2, 0.9], 3.0);
+            if order {
+                std::mem::swap(&mut found, &mut other);
+            }
+            add(&mut found, &other);
+            for (found, wanted) in found.image.pixels.iter().zip(&faded.image.pixels) {
+                assert!(
+                    found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 2e-4),
+                    "{found:?}"
+                );
+            }
         }
     }
 
