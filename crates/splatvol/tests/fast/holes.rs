@@ -91,33 +91,33 @@ fn holes_and_plain_data_agree_with_the_reference() {
             "noise",
             noise(),
             Missing::None,
-            [37.7, 46.6, 60.0, 68.3, 46.7, 70.6],
+            [38.9, 51.1, 61.1, 68.9, 52.9, 70.6],
         ),
         (
             "noise",
             noise(),
             Missing::Some,
-            [37.3, 46.7, 56.4, 67.5, 46.9, 70.7],
+            [37.9, 50.1, 57.6, 68.3, 53.0, 70.8],
         ),
         (
             "noise",
             noise(),
             Missing::Half,
-            [38.5, 46.7, 60.8, 66.9, 47.0, 70.5],
+            [39.1, 50.6, 61.2, 68.5, 53.1, 70.4],
         ),
         (
             "noise",
             noise(),
             Missing::Outside,
-            [48.9, 55.0, 55.9, 58.9, 54.5, 64.3],
+            [48.8, 53.0, 64.2, 68.0, 55.0, 64.3],
         ),
         (
             "head",
             head.clone(),
             Missing::Some,
-            [40.9, 46.1, 58.4, 71.5, 49.4, 71.4],
+            [41.1, 47.5, 58.4, 71.5, 51.4, 71.4],
         ),
-        ("head", head, Missing::Half, [42.0, 45.1, 58.3, 59.6, 45.5, 51.9]),
+        ("head", head, Missing::Half, [42.3, 45.9, 58.3, 59.6, 44.2, 51.9]),
     ];
     for (field, scene, missing, floors) in cases {
         let scene = missing.of(&scene);
@@ -207,10 +207,10 @@ type ValueFloors = [f64; 6];
 #[test]
 fn values_of_rays_agree_with_the_reference() {
     let cases: [(Missing, bool, ValueFloors); 4] = [
-        (Missing::None, false, [48.9, 48.8, 46.6, 90.9, 97.7, 103.1]),
-        (Missing::Some, true, [50.0, 48.4, 46.6, 84.7, 92.6, 99.4]),
-        (Missing::Half, true, [48.8, 50.4, 48.5, 84.5, 96.1, 72.5]),
-        (Missing::Half, false, [49.5, 49.1, 48.0, 91.9, 96.6, 78.1]),
+        (Missing::None, false, [59.6, 67.0, 74.0, 90.8, 97.7, 102.0]),
+        (Missing::Some, true, [52.1, 55.7, 70.2, 84.7, 92.6, 98.8]),
+        (Missing::Half, true, [52.8, 58.6, 68.5, 84.5, 96.1, 72.5]),
+        (Missing::Half, false, [58.1, 66.6, 70.6, 91.7, 96.5, 78.1]),
     ];
     for (missing, prefilter, floors) in cases {
         let scene = missing.of(&noise());
