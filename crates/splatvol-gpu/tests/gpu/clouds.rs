@@ -375,7 +375,7 @@ fn x_rays_are_the_cpu_s() {
     // Dense material has depths whose transmittance is no number.
     let dense = scene([head(), mesh()]);
     let camera = camera(&dense, PERSPECTIVE);
-    let mut middle = |renderer: &mut Renderer| {
+    let middle = |renderer: &mut Renderer| {
         let frame = renderer.render(&dense, &camera, &best).unwrap();
         frame.optical_depth[32 * 64 + 30]
     };
