@@ -1,7 +1,7 @@
 //! Border: coverage at the faces of the volume (docs/numerics.md, `q`).
 //!
 //! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`, and its share on the
-//! lattice, which continues the box by a margin, is `1 - M`, M that of the points beyond its end ([`Beyond`]). Only
+//! lattice, which continues the box by a margin, is `1 - M`, M that of the points beyond its end (`beyond`). Only
 //! vectors of pixels near a face are evaluated; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))`
 //! has an error of less than 2e-4.
 
