@@ -210,6 +210,8 @@ impl Mode<1> for Integral<'_> {
                 if seen.any_true() {
                     let index = extinction * last - load(simd, &depths.values, at);
                     let index = index / seen.select(extinction, f32x16::splat(simd, 1.0));
+                    // Next to nothing may lie anywhere.
+                    let index = index.max(f32x16::splat(simd, 0.0)).min(f32x16::splat(simd, last));
                     pixels.add(simd, (sums, at), (seen, index), [x, y]);
                 }
             }
@@ -372,7 +374,7 @@ impl Pixels<'_> {
         let depth = index * (frame.stack.spacing as f32) + slab_depth(frame, 0) as f32;
         let mut channels = [zero; LANES];
         for channel in 0..LANES {
-            channels[channel] = load(simd, &sums[channel].values, at);
+            channels[channel] = load(simd, &sums[channel].values, at).max(zero);
         }
         if frame.rays.per_pixel > 0.0 {
             let depth = seen.select(depth, one);

@@ -158,15 +158,15 @@ impl OpenMask {
         }
     }
 
-    /// Marks the coefficients of splines that reach an open pixel or the pixels beside it: between raster points i
-    /// and i + 1, those from i - 2 to i + 3.
+    /// Marks the coefficients that reach an open pixel or the pixels beside it: between raster points i and i + 1, those
+    /// from i - 3 to i + 4.
     fn find_needed_points(&mut self) {
         const FIRST: usize = MAX_BLOCKS + RASTER_HALO / BLOCK_EDGE;
         for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
             let blocks = self.blocks_of(row) << FIRST;
-            let blocks = blocks | blocks >> 1 | blocks << 1 | blocks << 2;
+            let blocks = blocks | blocks >> 1 | blocks >> 2 | blocks << 1 | blocks << 2;
             let at = FIRST + ((y + self.phase[1]) >> (self.octaves + 1));
-            for row in &mut self.needed[at - 1..=at + 2] {
+            for row in &mut self.needed[at - 2..=at + 2] {
                 *row |= blocks;
             }
         }
@@ -268,7 +268,7 @@ mod tests {
         let (halo, before, after) = if step == 1 {
             (HALO as i32, 1, 1)
         } else {
-            (RASTER_HALO as i32, 2, 3)
+            (RASTER_HALO as i32, 3, 4)
         };
         let first = |block: i32| 2 * block - 2 * MAX_BLOCKS as i32 - halo;
         let points = |block: i32| first(block)..first(block) + 2 * size;
