@@ -11,7 +11,7 @@ use crate::prefilter;
 
 /// Coefficients `c_k` of the field (docs/numerics.md), x fastest; NaN for missing samples.
 ///
-/// A lattice to interpolate from is continued by one mirrored sample beyond each face (`margin`), so that values near
+/// A lattice to interpolate from is continued by the outermost sample beyond each face (`margin`), so that values near
 /// the border have neighbours on both sides.
 #[derive(Debug, Clone)]
 pub struct Coefficients {
@@ -88,14 +88,7 @@ fn normalised(volume: &Volume, dims: [usize; 3], margin: [usize; 3]) -> Vec<f32>
     let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
     let rescale = volume.rescale();
     let own = volume.grid().dims();
-    let voxel = |axis: usize, point: usize| {
-        let (point, last) = (point as isize - margin[axis] as isize, own[axis] as isize - 1);
-        (if point > last {
-            2 * last - point
-        } else {
-            point.abs()
-        }) as usize
-    };
+    let voxel = |axis: usize, point: usize| sample_at(point, margin[axis], own[axis]);
     let mut values = vec![0.0f32; dims.iter().product()];
     values
         .par_chunks_mut(dims[0])
@@ -108,6 +101,13 @@ fn normalised(volume: &Volume, dims: [usize; 3], margin: [usize; 3]) -> Vec<f32>
             });
         });
     values
+}
+
+/// The sample at a lattice point along an axis of `count` samples. The outermost sample continues the lattice, not its
+/// neighbour, as a mirror has it: material next to a face of air would show again half a voxel outside.
+#[inline(always)]
+pub(crate) fn sample_at(point: usize, margin: usize, count: usize) -> usize {
+    point.saturating_sub(margin).min(count - 1)
 }
 
 /// Replaces missing samples by the mean of their finite face neighbours (0 without any), so that the solver has no
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn the_field_continues_by_its_mirror_image() {
+    fn the_field_continues_by_its_outermost_samples() {
         let grid = Grid::centred([3, 1, 2], DVec3::ONE).unwrap();
         let volume = Volume::new(
             grid,
@@ -192,7 +192,7 @@ mod tests {
         let (field, _) = Coefficients::new(&volume, Use::Field(None));
         assert_eq!((field.dims, field.margin), ([5, 1, 4], [1, 0, 1]));
         let fives: Vec<f32> = field.values.iter().map(|v| v * 5.0).collect();
-        assert_eq!(fives[..10], [4.0, 3.0, 4.0, 5.0, 4.0, 1.0, 0.0, 1.0, 2.0, 1.0]);
+        assert_eq!(fives[..10], [0.0, 0.0, 1.0, 2.0, 2.0, 0.0, 0.0, 1.0, 2.0, 2.0]);
         assert_eq!(Coefficients::new(&volume, Use::Samples).0.dims, [3, 1, 2]);
     }
 }

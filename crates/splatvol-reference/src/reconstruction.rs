@@ -4,7 +4,7 @@
 //! `sum_k c_k h(i - k) = F_i W(i)` on the full box. For that system a missing sample is filled with the mean of its
 //! finite face neighbours (0 if it has none); afterwards it has no weight in `S` and `W`.
 //!
-//! The lattice is continued by one mirrored sample beyond each face, `F(-1) = F(1)` and `F(n) = F(n - 2)`, along axes
+//! The lattice is continued by its outermost sample beyond each face, `F(-1) = F(0)` and `F(n) = F(n - 1)`, along axes
 //! of two samples and more; S and W include it, the coverage does not: `B` is the kernel's share on the box.
 
 use std::f64::consts::SQRT_2;
@@ -160,28 +160,23 @@ fn normalised_samples(volume: &Volume) -> Vec<f64> {
         .collect()
 }
 
-/// Mirrored samples beyond each end of an axis.
+/// Repeated samples beyond each end of an axis.
 fn margin(n: usize) -> usize {
     usize::from(n > 1)
 }
 
-/// The lattice continued by its mirror image: dims and samples.
+/// The lattice continued by its outermost samples: dims and samples.
 fn continued(samples: &[f64], own: [usize; 3]) -> ([usize; 3], Vec<f64>) {
     let dims = own.map(|n| n + 2 * margin(n));
-    let mirrored = |axis: usize, position: usize| {
+    let nearest = |axis: usize, position: usize| {
         let voxel = position as i64 - margin(own[axis]) as i64;
-        let last = own[axis] as i64 - 1;
-        (if voxel > last {
-            2 * last - voxel
-        } else {
-            voxel.abs()
-        }) as usize
+        voxel.clamp(0, own[axis] as i64 - 1) as usize
     };
     let mut continued = Vec::with_capacity(dims.iter().product());
     for z in 0..dims[2] {
         for y in 0..dims[1] {
             for x in 0..dims[0] {
-                let (x, y, z) = (mirrored(0, x), mirrored(1, y), mirrored(2, z));
+                let (x, y, z) = (nearest(0, x), nearest(1, y), nearest(2, z));
                 continued.push(samples[(z * own[1] + y) * own[0] + x]);
             }
         }

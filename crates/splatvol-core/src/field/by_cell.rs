@@ -6,7 +6,7 @@ use splatvol_scene::volume::widen;
 use splatvol_scene::{Volume, with_samples};
 
 use crate::brick::BRICK;
-use crate::coefficients::Coefficients;
+use crate::coefficients::{Coefficients, sample_at};
 use crate::visibility::{BRICK_VOXELS, TOLERANCE, VisibleLevels};
 
 /// Overshoot of a cell's reconstruction beyond the range of its corners, relative to that range's width.
@@ -119,7 +119,7 @@ impl<'a> CellRanges<'a> {
     }
 }
 
-/// Normalised samples of a lattice row (y, z), mirrored into the margin.
+/// Normalised samples of a lattice row (y, z); the outermost ones fill the margin.
 fn normalised_row(volume: &Volume, coefficients: &Coefficients, [y, z]: [usize; 2], line: &mut [f32]) {
     let [low, high] = volume.value_range();
     let rescale = volume.rescale();
@@ -129,19 +129,8 @@ fn normalised_row(volume: &Volume, coefficients: &Coefficients, [y, z]: [usize; 
         ((rescale.intercept - low) * scale) as f32,
     );
     let own = volume.grid().dims();
-    let mirror = |axis: usize, point: usize| {
-        let (point, last) = (
-            point as isize - coefficients.margin[axis] as isize,
-            own[axis] as isize - 1,
-        );
-        (if point > last {
-            2 * last - point
-        } else {
-            point.abs()
-        })
-        .clamp(0, last) as usize
-    };
-    let start = (mirror(2, z) * own[1] + mirror(1, y)) * own[0];
+    let sample = |axis: usize, point: usize| sample_at(point, coefficients.margin[axis], own[axis]);
+    let start = (sample(2, z) * own[1] + sample(1, y)) * own[0];
     let margin = coefficients.margin[0];
     with_samples!(volume.samples(), data => {
         let source = &data[start..start + own[0]];
@@ -149,7 +138,7 @@ fn normalised_row(volume: &Volume, coefficients: &Coefficients, [y, z]: [usize; 
             *value = widen(*sample) as f32 * slope + offset;
         }
         for x in (0..margin).chain(margin + own[0]..line.len()) {
-            line[x] = widen(source[mirror(0, x)]) as f32 * slope + offset;
+            line[x] = widen(source[sample(0, x)]) as f32 * slope + offset;
         }
     });
 }

@@ -1,9 +1,10 @@
-//! Samples as the lattice of a field: normalised, continued by one mirrored sample beyond each face.
+//! Samples as the lattice of a field: normalised, continued by the outermost sample beyond each face.
 
 use fearless_simd::Level;
 use splatvol_scene::VoxelBox;
 
 use super::level::SourceLevel;
+use crate::coefficients::sample_at;
 use crate::visibility::level_of;
 
 /// A sample type.
@@ -150,14 +151,12 @@ impl Lattice {
     /// The sample at a lattice point, along one axis.
     #[inline]
     fn sample(&self, axis: usize, point: usize) -> usize {
-        let last = self.own[axis] - 1;
-        let point = point.abs_diff(self.margin[axis]);
-        if point > last { 2 * last - point } else { point }
+        sample_at(point, self.margin[axis], self.own[axis])
     }
 
     /// The samples that determine a range of lattice points (end excluded), and the neighbours of these samples.
     pub(super) fn region(&self, from: [usize; 3], to: [usize; 3]) -> VoxelBox {
-        // Points beyond a face are samples before it; missing ones are the means of their neighbours.
+        // Missing samples are the means of their neighbours.
         const AROUND: usize = 3;
         let first: [usize; 3] = std::array::from_fn(|a| {
             from[a]

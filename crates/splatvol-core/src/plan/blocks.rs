@@ -79,12 +79,16 @@ pub(super) fn fit_blocks([x, y]: [f32; 2]) -> bool {
     DRAWN * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
 }
 
+/// Reach of a coefficient of a coarse raster, points: two and a half to those of the raster twice as fine, and the cubic
+/// spline of these.
+const COEFFICIENT_REACH: f32 = 3.5;
+
 /// Largest distance from a footprint's centre at which pixels change. Pixels change if a block of the footprint
-/// covers them, or the support of their spline or gradient. `half_extent`: reach of the footprints, raster points.
+/// covers them, or the support of their coefficients or gradient. `half_extent`: reach of the footprints, raster points.
 pub(super) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
     let blocks = blocks_of(half_extent) as f32 + OFF_CENTRE;
-    let spline = if step > 1 { 2.0 } else { 0.0 };
-    (blocks + spline) * step as f32 + 1.0
+    let coefficient = if step > 1 { COEFFICIENT_REACH } else { 0.0 };
+    (blocks + coefficient) * step as f32 + 1.0
 }
 
 #[cfg(test)]

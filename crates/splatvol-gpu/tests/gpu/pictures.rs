@@ -5,12 +5,14 @@ use splatvol::samples::Sample;
 use splatvol::{
     Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid,
     Item, LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
-    TransferFunction, Volume,
+    TransferFunction, View, Volume,
 };
 use splatvol_gpu::{GpuConfig, GpuEngine};
 use splatvol_testing::{Comparison, Random, Tolerance, assert_images, checked};
 
-use super::common::{PROJECTIONS, assert_depths, camera, compare, gpu, scene, share_within_a_level, sized};
+use super::common::{
+    PROJECTIONS, assert_depths, both, camera, compare, gpu, scene, share_within_a_level, sized,
+};
 
 /// Law 3, as far as the cuts of both engines' kernels allow: docs/numerics.md, "The GPU's planes", has what is measured.
 #[test]
@@ -67,6 +69,27 @@ fn the_best_pictures_are_the_cpu_s() {
             let what = format!("gpu-best-{}", sample.name());
             let shot = (&scene, &camera, &settings);
             compare((&mut gpu, &mut cpu), shot, &what, (65.0, 0.999, 1e-3));
+        }
+    }
+}
+
+/// Law 3 where voxels are four and more pixels wide, for which the CPU splats onto coarse rasters.
+#[test]
+fn enlarged_pictures_are_the_cpu_s() {
+    let Some((mut gpu, mut cpu)) = both() else { return };
+    for (sample, best, fast) in [
+        (Sample::Head, (72.0, 0.998), (53.0, 0.9)),
+        (Sample::MarschnerLobb, (57.0, 0.93), (49.0, 0.7)),
+    ] {
+        let scene = scene(sample, 32);
+        let camera = Camera::framing(&scene.bounds().unwrap(), View::Top, PROJECTIONS[0], 1.0).unwrap();
+        for (name, settings, (decibels, share)) in [
+            ("best", RenderSettings::best(), best),
+            ("fast", RenderSettings::fast(), fast),
+        ] {
+            let shot = (&scene, &camera, &sized(settings, 200));
+            let what = format!("gpu-enlarged-{}-{name}", sample.name());
+            compare((&mut gpu, &mut cpu), shot, &what, (decibels, share, 1e-3));
         }
     }
 }

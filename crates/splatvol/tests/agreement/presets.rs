@@ -31,18 +31,18 @@ fn preset(name: &str) -> RenderSettings {
 
 fn rows() -> Vec<Row> {
     let measured = [
-        ("fast", "marschner-lobb", [[32.4, 36.7], [31.0, 36.6]]),
-        ("fast", "head", [[42.1, 49.5], [41.3, 48.8]]),
+        ("fast", "marschner-lobb", [[32.3, 37.6], [31.1, 37.4]]),
+        ("fast", "head", [[42.1, 49.5], [41.4, 48.9]]),
         ("fast", "ball", [[41.9, 66.4], [41.0, 64.9]]),
-        ("fast", "noise", [[39.9, 52.1], [38.9, 51.2]]),
-        ("balanced", "marschner-lobb", [[38.5, 52.5], [37.3, 51.0]]),
-        ("balanced", "head", [[50.6, 57.3], [49.8, 56.1]]),
-        ("balanced", "ball", [[41.8, 74.7], [40.9, 74.1]]),
-        ("balanced", "noise", [[40.8, 63.2], [39.7, 62.2]]),
-        ("best", "marschner-lobb", [[50.6, 63.6], [49.3, 63.2]]),
-        ("best", "head", [[60.4, 73.8], [59.5, 73.1]]),
-        ("best", "ball", [[75.2, 74.7], [74.1, 73.5]]),
-        ("best", "noise", [[62.5, 70.1], [61.3, 69.0]]),
+        ("fast", "noise", [[40.6, 53.6], [39.4, 52.5]]),
+        ("balanced", "marschner-lobb", [[36.0, 52.4], [34.4, 51.3]]),
+        ("balanced", "head", [[50.8, 57.4], [50.2, 56.2]]),
+        ("balanced", "ball", [[41.8, 74.9], [40.9, 74.1]]),
+        ("balanced", "noise", [[41.3, 63.9], [40.0, 62.6]]),
+        ("best", "marschner-lobb", [[52.5, 65.5], [51.0, 65.6]]),
+        ("best", "head", [[60.5, 74.1], [59.3, 73.9]]),
+        ("best", "ball", [[75.3, 74.7], [74.1, 73.5]]),
+        ("best", "noise", [[65.6, 70.6], [63.9, 69.1]]),
     ];
     let row = |(preset, field, figures): (&'static str, &'static str, [[f64; 2]; 2])| {
         PROJECTIONS

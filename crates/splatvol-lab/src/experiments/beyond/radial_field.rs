@@ -1,7 +1,7 @@
 //! The field of a kernel of the distance over a cube of samples, in f64: `v(x) = S / W`, `S = sum_k c_k h(|x - k|)`,
 //! `W = sum_k h(|x - k|)`, as `splatvol_reference` defines it for Gaussians (docs/numerics.md, "The field").
 //!
-//! The lattice is continued by one mirrored sample beyond each face. With the interpolating prefilter the coefficients
+//! The lattice is continued by the outermost sample beyond each face. With the interpolating prefilter the coefficients
 //! solve `sum_k c_k h(|i - k|) = F_i W(i)`, by conjugate gradients; without it they are the samples.
 
 use std::ops::RangeInclusive;
@@ -19,7 +19,7 @@ const MOST_ITERATIONS: usize = 2000;
 /// A cube of samples as a continuous field.
 pub(super) struct RadialField {
     kernel: RadialKernel,
-    /// Samples per axis, mirrored ones included.
+    /// Samples per axis, repeated ones included.
     side: usize,
     /// x fastest.
     coefficients: Vec<f64>,
@@ -33,17 +33,10 @@ impl RadialField {
         side: usize,
         prefilter: bool,
     ) -> Result<Self, LabError> {
-        let mirror = |position: usize| {
-            let voxel = position.abs_diff(1);
-            if voxel < side {
-                voxel
-            } else {
-                2 * (side - 1) - voxel
-            }
-        };
+        let nearest = |position: usize| position.saturating_sub(1).min(side - 1);
         let all = side + 2;
         let coefficients = (0..all.pow(3))
-            .map(|index| [index % all, index / all % all, index / (all * all)].map(mirror))
+            .map(|index| [index % all, index / all % all, index / (all * all)].map(nearest))
             .map(|[x, y, z]| samples[(z * side + y) * side + x])
             .collect();
         let mut field = Self {

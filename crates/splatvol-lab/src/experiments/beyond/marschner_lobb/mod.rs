@@ -103,8 +103,8 @@ fn field_findings(outcome: &mut Outcome, errors: &[(String, Errors)]) {
     outcome.find(decibels(
         "best",
         best,
-        "signal-to-error ratio of the default kernel with the prefilter (documented: 36 dB or better)",
-        Expectation::AtLeast(36.0),
+        "signal-to-error ratio of the default kernel with the prefilter (documented: 35.5 dB or better)",
+        Expectation::AtLeast(35.5),
     ));
     outcome.find(
         decibels(
