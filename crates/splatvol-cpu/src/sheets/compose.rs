@@ -119,7 +119,6 @@ fn composite<S: Simd, const CUBIC: bool>(
         load(simd, &planes[1][0].values, at),
         load(simd, &planes[2][0].values, at),
     );
-    let (front, back) = (front.max(zero), back.max(zero));
     let total = front + back;
     let share_of_far = total.simd_gt(zero).select(back / total, f32x16::splat(simd, 0.5));
     let material = Material {

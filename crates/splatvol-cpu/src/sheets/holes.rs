@@ -17,6 +17,7 @@ use super::ring::{LANES, SheetRing};
 use super::shade::Interval;
 use super::splat::Records;
 use super::tile::{MAX_CHANNELS, SheetScratch, take};
+use super::upsample::Sums;
 
 /// Share of the weight below which a pixel has no value of its own.
 const FADED: f32 = 0.15;
@@ -85,7 +86,14 @@ impl SheetScratch {
                 continue;
             }
             let from = (&mut holes.ring, &mut last[channel]);
-            take(simd, frame.step, place, slot, from, (raster, upsampler));
+            take(
+                simd,
+                (frame.step, Sums::Values),
+                place,
+                slot,
+                from,
+                (raster, upsampler),
+            );
         }
     }
 }

@@ -28,6 +28,7 @@ use super::sheet::GroupShape;
 use super::slab::Slab;
 use super::splat::{Payload, Records};
 use super::tile::{SheetScratch, take};
+use super::upsample::Sums;
 use crate::simd::math::exp2_of;
 use splatvol_core::border::cumulative_of;
 
@@ -169,7 +170,7 @@ impl Mode<1> for Integral<'_> {
             let slot = SUMS * LANES + channel;
             take(
                 simd,
-                frame.step,
+                (frame.step, Sums::Amounts),
                 place,
                 slot,
                 (ring, &mut sums[channel]),
@@ -178,7 +179,7 @@ impl Mode<1> for Integral<'_> {
         }
         take(
             simd,
-            frame.step,
+            (frame.step, Sums::Amounts),
             place,
             DEPTHS * LANES,
             (ring, depths),
@@ -210,8 +211,6 @@ impl Mode<1> for Integral<'_> {
                 if seen.any_true() {
                     let index = extinction * last - load(simd, &depths.values, at);
                     let index = index / seen.select(extinction, f32x16::splat(simd, 1.0));
-                    // Next to nothing may lie anywhere.
-                    let index = index.max(f32x16::splat(simd, 0.0)).min(f32x16::splat(simd, last));
                     pixels.add(simd, (sums, at), (seen, index), [x, y]);
                 }
             }
@@ -374,7 +373,7 @@ impl Pixels<'_> {
         let depth = index * (frame.stack.spacing as f32) + slab_depth(frame, 0) as f32;
         let mut channels = [zero; LANES];
         for channel in 0..LANES {
-            channels[channel] = load(simd, &sums[channel].values, at).max(zero);
+            channels[channel] = load(simd, &sums[channel].values, at);
         }
         if frame.rays.per_pixel > 0.0 {
             let depth = seen.select(depth, one);

@@ -25,6 +25,7 @@ use super::ring::LANES;
 use super::sheet::GroupShape;
 use super::splat::Payload;
 use super::tile::{SheetScratch, SheetWork, enter_lattice, lattice_window, take_planes};
+use super::upsample::Sums;
 
 /// What the voxels of a grid are splatted from.
 #[derive(Debug, Clone, Copy)]
@@ -176,7 +177,11 @@ pub(crate) trait Mode<const N: usize>: Sync {
         sheet: usize,
         scratch: &mut SheetScratch,
     ) {
-        take_planes::<S, N>(simd, frame, (place, sheet), scratch);
+        let sums = match self.bricks() {
+            Bricks::Field(_) => Sums::Values,
+            Bricks::Classified(_) | Bricks::None => Sums::Amounts,
+        };
+        take_planes::<S, N>(simd, frame, (place, sheet, sums), scratch);
     }
 
     /// Composites the interval between a sheet and the next, and closes the pixels that it finishes.

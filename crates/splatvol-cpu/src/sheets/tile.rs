@@ -25,7 +25,7 @@ use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
 use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_point, splat_sized};
-use super::upsample::Upsampler;
+use super::upsample::{Sums, Upsampler};
 
 /// A brick's values.
 #[derive(Debug)]
@@ -415,7 +415,7 @@ impl OpenSheets<'_> {
 pub(crate) fn take_planes<S: Simd, const N: usize>(
     simd: S,
     frame: &SheetFrame<'_>,
-    (place, sheet): (&Place, usize),
+    (place, sheet, sums): (&Place, usize, Sums),
     scratch: &mut SheetScratch,
 ) {
     let open = frame.groups * LANES;
@@ -430,7 +430,7 @@ pub(crate) fn take_planes<S: Simd, const N: usize>(
         let slot = channel * open + sheet % open;
         take(
             simd,
-            frame.step,
+            (frame.step, sums),
             place,
             slot,
             (ring, &mut last[channel]),
@@ -443,7 +443,7 @@ pub(crate) fn take_planes<S: Simd, const N: usize>(
 #[inline(always)]
 pub(crate) fn take<S: Simd>(
     simd: S,
-    step: usize,
+    (step, sums): (usize, Sums),
     place: &Place,
     slot: usize,
     (ring, plane): (&mut SheetRing, &mut Plane),
@@ -453,6 +453,6 @@ pub(crate) fn take<S: Simd>(
         plane.take(simd, ring, slot, MAX_BLOCKS, place.raster);
     } else {
         raster.take(simd, ring, slot, MAX_BLOCKS, place.raster);
-        upsampler.run(simd, raster, plane, (place, step));
+        upsampler.run(simd, raster, plane, (place, step, sums));
     }
 }

@@ -14,6 +14,7 @@ use crate::sheets::place::Place;
 use crate::sheets::plane::Plane;
 use crate::sheets::splat::Payload;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch, SheetWork, take_planes};
+use crate::sheets::upsample::Sums;
 
 /// A cloud and the shading of its planes.
 #[derive(Debug)]
@@ -105,7 +106,7 @@ impl<const N: usize, F: CloudShading<N>> Mode<N> for CloudMode<'_, F> {
         sheet: usize,
         scratch: &mut SheetScratch,
     ) {
-        take_planes::<S, N>(simd, frame, (place, sheet), scratch);
+        take_planes::<S, N>(simd, frame, (place, sheet, Sums::Amounts), scratch);
         let [.., last] = &mut scratch.planes;
         self.shading.taken(simd, last);
     }
