@@ -15,6 +15,7 @@ use std::fmt;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use fearless_simd::dispatch;
 use splatvol_cpu::microbench::{FourSheets, levels};
 
 const TILE: f32 = 64.0;
@@ -67,5 +68,5 @@ fn four_sheets<const ELLIPSES: bool>(bencher: Bencher<'_, '_>, case: Case) {
     let pixels = std::f32::consts::PI * case.radius * case.radius * SHEETS * SPLATS as f32;
     bencher
         .counter(ItemsCount::new(pixels as u64))
-        .bench_local(|| sheets.splat(level));
+        .bench_local(|| dispatch!(level, simd => sheets.splat(simd)));
 }

@@ -51,25 +51,6 @@ impl SimdLevel {
     }
 }
 
-/// A level's name, for people.
-pub(crate) fn level_name(level: Level) -> &'static str {
-    match level {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx512(_) => "AVX-512",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx2(_) => "AVX2",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse4_2(_) => "SSE4.2",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse2(_) => "SSE2",
-        #[cfg(target_arch = "aarch64")]
-        Level::Neon(_) => "NEON",
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        Level::WasmSimd128(_) => "simd128",
-        _ => "scalar",
-    }
-}
-
 /// Why an engine cannot start.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

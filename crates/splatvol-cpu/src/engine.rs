@@ -1,6 +1,5 @@
 //! CPU engine: selects the render loop for a scene, and caches data derived from the scene's items.
 
-use fearless_simd::Level;
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
 use splatvol_core::prepared::SPARE;
@@ -9,7 +8,8 @@ use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
 use crate::check::check;
 use crate::classic::ClassicEngine;
 use crate::clouds::SplatScene;
-use crate::config::{EngineConfig, EngineError, level_name};
+use crate::config::{EngineConfig, EngineError};
+use crate::instructions::InstructionSet;
 use crate::integrals;
 use crate::items::ItemStore;
 use crate::meshes::MeshStore;
@@ -26,7 +26,7 @@ use crate::splats::{Cloud, SplatEngine};
 pub struct CpuEngine {
     pool: Pool,
     tile_edge: Option<usize>,
-    level: Level,
+    instructions: InstructionSet,
     placed: PlacedVolumes,
     sheets: SheetEngine,
     classic: ClassicEngine,
@@ -40,19 +40,23 @@ pub struct CpuEngine {
 }
 
 impl CpuEngine {
-    /// Starts the engine with its own threads.
+    /// Starts the engine with its own threads. [`EngineConfig::simd`] is the caller's to heed.
     ///
     /// # Errors
     /// The system refuses the threads, or the tile edge is outside its domain.
-    pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
-        Self::with_pool(Pool::new(config.threads)?, config)
+    pub fn new(config: EngineConfig, instructions: InstructionSet) -> Result<Self, EngineError> {
+        Self::with_pool(Pool::new(config.threads)?, config, instructions)
     }
 
     /// Starts the engine on a caller-provided thread pool, which engines may share.
     ///
     /// # Errors
     /// The configured number of threads differs from the pool's, or the tile edge is outside its domain.
-    pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
+    pub fn with_pool(
+        pool: impl Into<Pool>,
+        config: EngineConfig,
+        instructions: InstructionSet,
+    ) -> Result<Self, EngineError> {
         let pool = pool.into();
         let there = pool.current_num_threads();
         if let Some(threads) = config.threads.filter(|&threads| threads != there) {
@@ -64,14 +68,10 @@ impl CpuEngine {
         {
             return Err(EngineError::TileEdge { edge });
         }
-        let level = match config.simd {
-            None => Level::new(),
-            Some(simd) => simd.level().ok_or(EngineError::Simd { simd })?,
-        };
         Ok(Self {
             pool,
             tile_edge: config.tile_edge,
-            level,
+            instructions,
             placed: PlacedVolumes::default(),
             sheets: SheetEngine::with_spare(config.spare_bytes.unwrap_or(SPARE)),
             classic: ClassicEngine::default(),
@@ -190,7 +190,7 @@ impl CpuEngine {
             seconds,
             threads: run.pool.current_num_threads(),
             engine: "splats",
-            simd: level_name(self.level),
+            simd: self.instructions.name(),
             voxels: clouds.iter().map(|cloud| cloud.len() as u64).sum(),
             ..RenderStatistics::default()
         })
@@ -221,7 +221,7 @@ impl Engine for CpuEngine {
         let pool = self.pool.clone();
         let run = Run {
             pool: &pool,
-            level: self.level,
+            instructions: self.instructions,
             tile_edge: self.tile_edge,
             task,
             block: None,

@@ -12,6 +12,7 @@
 //! | `check`, `route` | say whether a scene can be rendered, and by which |
 //! | `items`, `meshes`, `clouds` | turn items into clouds, and keep these between frames |
 //! | `phong`, `splat_light`, `simd` | light, and functions of vectors |
+//! | `instructions` | [`Work`], which other crates compile, each for one instruction set |
 //! | `config`, `run`, `pool`, `prepare`, `room` | options, threads, cancellation and memory |
 //!
 //! Every pixel receives its contributions in a fixed order (sheets by depth, then layers, bricks and voxels by index;
@@ -25,6 +26,7 @@ mod classic;
 mod clouds;
 mod config;
 mod engine;
+mod instructions;
 mod integrals;
 mod items;
 mod meshes;
@@ -42,7 +44,7 @@ mod splat_light;
 mod splats;
 
 pub use check::check;
-pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
 pub use engine::CpuEngine;
+pub use instructions::{InstructionSet, Work};
 pub use pool::{Pool, most_threads};

@@ -1,12 +1,12 @@
 //! The engine's splatting kernel in isolation, for micro-benchmarks. Not part of the public interface.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use splatvol_core::plan::{SplatConstants, blocks_of};
 
 use crate::sheets::needed::Footprints;
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
-use crate::sheets::splat::{self, Coefficient, Powers, Records, Stencil};
+use crate::sheets::splat::{self, Coefficient, FootprintGroup, Powers, Records, Stencil};
 
 /// Every SIMD level of this machine, the best first, with its name. Scalar code exists only in builds with the
 /// feature `scalar`, or where the processor has no SIMD.
@@ -88,13 +88,9 @@ impl FourSheets {
         }
     }
 
-    /// Splats all voxels once.
-    pub fn splat(&mut self, level: Level) {
-        dispatch!(level, simd => self.splat_with(simd));
-    }
-
+    /// Splats all voxels once. Generic, so that only who calls it compiles it.
     #[inline(always)]
-    fn splat_with<S: Simd>(&mut self, simd: S) {
+    pub fn splat<S: Simd>(&mut self, simd: S) {
         let Self {
             records,
             shape,
@@ -105,7 +101,6 @@ impl FourSheets {
             blocks,
             ellipses,
         } = self;
-        let footprint = (*blocks, *ellipses);
         let square = Footprints {
             anchor: 0.0,
             scale: 1.0,
@@ -117,20 +112,21 @@ impl FourSheets {
         stencil.prepare(simd, shape, &square, *ellipses);
         let records = (&**records, Coefficient);
         let rings = &mut [rows.as_mut_slice()];
-        splat::splat_sized(
-            simd,
-            footprint,
-            (constants, shape, stencil),
-            records,
-            powers,
-            rings,
-        );
+        let footprints = FootprintGroup {
+            constants,
+            shape,
+            stencil,
+            size: *blocks,
+            ellipses: *ellipses,
+        };
+        splat::splat(simd, footprints, records, powers, rings);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::dispatch;
 
     /// A zone's first planes meet voxels far before them, whose profiles there are far below the smallest float.
     #[test]
@@ -141,7 +137,7 @@ mod tests {
                 for (n, z) in sheets.records.z.iter_mut().enumerate() {
                     *z = -8.0 - 0.5 * n as f32;
                 }
-                sheets.splat(level);
+                dispatch!(level, simd => sheets.splat(simd));
                 let sums = sheets.rows.iter().flat_map(|row| &row.0);
                 let none = sums.flat_map(|block| block.0).all(|sum| sum == 0.0);
                 assert!(none, "{name}, ellipses: {ellipses}");

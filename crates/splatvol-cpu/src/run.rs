@@ -1,8 +1,8 @@
 //! Execution resources of a frame.
 
-use fearless_simd::Level;
 use splatvol_core::engine::Task;
 
+use crate::instructions::InstructionSet;
 use crate::pool::Pool;
 use crate::sheets::blocks::Block;
 
@@ -10,7 +10,8 @@ use crate::sheets::blocks::Block;
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
     pub pool: &'a Pool,
-    pub level: Level,
+    /// The loops over SIMD vectors, for this processor.
+    pub instructions: InstructionSet,
     pub tile_edge: Option<usize>,
     pub task: Task<'a>,
     /// The tiles to draw, where a picture is drawn block by block.

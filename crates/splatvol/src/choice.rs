@@ -1,8 +1,8 @@
 //! Choice between the engine on the CPU and the one on a GPU.
 
-use splatvol_cpu::{CpuEngine, EngineConfig, EngineError};
+use splatvol_cpu::{EngineConfig, EngineError};
 
-use crate::Renderer;
+use crate::{CpuEngine, Renderer};
 
 /// Which engine makes the pictures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -40,8 +40,10 @@ impl Renderer {
 #[cfg(not(feature = "gpu"))]
 mod gpu {
     use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
-    use splatvol_cpu::{CpuEngine, EngineError};
+    use splatvol_cpu::EngineError;
     use splatvol_scene::{Frame, SceneError};
+
+    use crate::CpuEngine;
 
     const NONE: &str = "this program was built without the feature `gpu`";
 
@@ -86,9 +88,11 @@ mod gpu {
 #[cfg(feature = "gpu")]
 mod gpu {
     use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
-    use splatvol_cpu::{CpuEngine, EngineError};
+    use splatvol_cpu::EngineError;
     use splatvol_gpu::{GpuConfig, GpuEngine};
     use splatvol_scene::{Frame, SceneError};
+
+    use crate::CpuEngine;
 
     pub(super) fn open() -> Result<GpuEngine, EngineError> {
         GpuEngine::new(&GpuConfig::default()).map_err(|error| EngineError::Gpu {

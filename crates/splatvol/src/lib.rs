@@ -114,6 +114,7 @@
 
 mod check;
 mod choice;
+mod cpu;
 mod part;
 mod progressive;
 mod renderer;
@@ -121,6 +122,7 @@ mod shutter;
 
 pub use check::check;
 pub use choice::EngineChoice;
+pub use cpu::CpuEngine;
 pub use glam;
 pub use progressive::Pass;
 pub use renderer::Renderer;
@@ -132,7 +134,7 @@ pub use splatvol_core::engine::{
     Task,
 };
 pub use splatvol_core::radial;
-pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel, most_threads};
+pub use splatvol_cpu::{EngineConfig, EngineError, Pool, SimdLevel, most_threads};
 pub use splatvol_scene::*;
 
 /// The GPU's engine.

@@ -4,9 +4,10 @@ use splatvol_core::bin::TileRect;
 use splatvol_core::engine::{
     Control, Edges, Engine, Progress, RenderStatistics, Share, Shot, StageSeconds, Task,
 };
-use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool};
+use splatvol_cpu::{EngineConfig, EngineError, Pool};
 use splatvol_scene::{Camera, Coverage, Exposure, Frame, RenderSettings, Scene, SceneError};
 
+use crate::CpuEngine;
 use crate::check::check_by;
 use crate::part;
 use crate::shutter::{self, Exposed};

@@ -122,9 +122,24 @@ pub(crate) struct Window {
     pub anywhere: bool,
 }
 
-/// Moves a brick's voxels that enter a sheet to the records; returns how many vectors of sixteen were looked at.
-#[inline(always)]
+/// Moves a brick's voxels that enter a sheet to the records; returns the number of 16-voxel SIMD batches tested. Compiled
+/// once, whatever the mode.
 pub(crate) fn activate<S: Simd>(
+    simd: S,
+    constants: &SplatConstants,
+    window: &Window,
+    brick: (&mut OpenBrick, &OpenVoxels),
+    mask: &OpenMask,
+    records: &mut Records,
+) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        || activate_sixteens(simd, constants, window, brick, mask, records),
+    )
+}
+
+#[inline(always)]
+fn activate_sixteens<S: Simd>(
     simd: S,
     constants: &SplatConstants,
     window: &Window,

@@ -134,9 +134,23 @@ impl<'a> ClassifiedBricks<'a> {
         Self { light, ..self }
     }
 
-    /// Classifies and lights a brick's voxels; `values` become their handles, NaN where nothing is visible.
-    #[inline(always)]
+    /// Classifies and lights a brick's voxels; `values` become their handles, NaN where nothing is visible. Compiled once,
+    /// whatever the mode.
     pub(crate) fn open<S: Simd>(
+        &self,
+        simd: S,
+        brick: (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        classified: &mut ClassifiedVoxels,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.classify(simd, brick, values, classified),
+        );
+    }
+
+    #[inline(always)]
+    fn classify<S: Simd>(
         &self,
         simd: S,
         (brick, slot): (usize, u32),

@@ -14,7 +14,7 @@ use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::shaded::filled;
-use super::splat::Payload;
+use super::splat::{Payload, Scaled};
 use super::tile::{MAX_CHANNELS, SheetScratch};
 use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
 
@@ -29,6 +29,8 @@ pub(crate) struct Compose<'a> {
 pub(crate) struct Emission<'m>(pub &'m ClassifiedVoxels);
 
 impl Payload<4> for Emission<'_> {
+    type Footprint = Scaled;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 4] {
         let [extinction, r, g, b] = *self.0.voxel(value);

@@ -17,12 +17,12 @@ use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::exact_intensity::ExactIntensity;
-use super::frame::GridPlan;
+use super::frame::{GridPlan, ZonedFrame};
 use super::frame::{analytic_field, shader};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Mean, Reduction, ValueColors};
-use super::mode::Mode;
 use super::operated::Operated;
+use super::picture::{Picture, Values};
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
@@ -175,7 +175,7 @@ fn others<'v>(volumes: &'v [Arc<Volume>], own: &'v Arc<Volume>) -> impl Iterator
 
 /// Draws the tiles of a block, or of the whole picture.
 fn draw(
-    mut job: Job<'_>,
+    job: Job<'_>,
     (scene, level): (&VolumeScene<'_>, &Level),
     (camera, sampling): (&Camera, Sampling),
     (frame, statistics): (&mut Frame, &mut RenderStatistics),
@@ -205,12 +205,14 @@ fn draw(
                 shapes: view.ray_shapes(),
                 depth_reach: view.depth_reach(),
             };
-            job.run.tile_edge = Some(view.ray_tile_edge(TILE_EDGE));
-            job.render(&bricks, &mode, frame, statistics);
+            let edge = view.ray_tile_edge(TILE_EDGE);
+            let (plan, shown) = job.planned((&bricks, Some(edge)), statistics);
+            shown.render(&Picture::Integral(Single::new(&plan, &mode)), frame, statistics);
         }
         (Wanted::Classified, _) => {
             let mode = composed((scene, bricks), view, settings);
-            job.render(&mode.bricks, &mode, frame, statistics);
+            let (plan, shown) = job.planned((&mode.bricks, None), statistics);
+            shown.render(&Picture::Composed(Single::new(&plan, &mode)), frame, statistics);
         }
         (Wanted::Largest, _) => {
             job.values::<Extreme<Largest>>((store, shade()), values, (frame, statistics));
@@ -224,11 +226,13 @@ fn draw(
                 analytic_field(view, store, (shade(), Sums::Moments)),
                 &level.classification,
             );
-            job.render(store, &mode, frame, statistics);
+            let (plan, shown) = job.planned((store, None), statistics);
+            shown.render(&Picture::Analytic(Single::new(&plan, &mode)), frame, statistics);
         }
         (Wanted::Visible, _) => {
             let mode = shaded((scene, level), view, (camera, settings));
-            job.render(store, &mode, frame, statistics);
+            let (plan, shown) = job.planned((store, None), statistics);
+            shown.render(&Picture::Shaded(Single::new(&plan, &mode)), frame, statistics);
         }
     }
 }
@@ -279,22 +283,27 @@ struct Job<'a> {
     memory: &'a mut TileMemory,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
     /// Renders one value of each ray.
     fn values<K: Reduction>(
-        &mut self,
+        self,
         (store, shader): (&FieldStore, PlaneShader<'_>),
         colors: ValueColors<'_>,
         (frame, statistics): (&mut Frame, &mut RenderStatistics),
     ) {
-        match self.settings.method.gradient {
+        let (view, gradient) = (self.view, self.settings.method.gradient);
+        let (plan, shown) = self.planned((store, None), statistics);
+        match gradient {
             Gradient::Analytic => {
-                let field = analytic_field(self.view, store, (shader, Sums::Slopes));
-                self.render(store, &ExactIntensity::<K>::new(field, colors), frame, statistics);
+                let field = analytic_field(view, store, (shader, Sums::Slopes));
+                let mode = ExactIntensity::<K>::new(field, colors);
+                let values = Values::WithSlopes(Single::new(&plan, &mode));
+                shown.render(&K::picture(values), frame, statistics);
             }
             Gradient::Differences => {
                 let mode = Intensity::<K>::new(store, shader, colors);
-                self.render(store, &mode, frame, statistics);
+                let values = Values::OnPlanes(Single::new(&plan, &mode));
+                shown.render(&K::picture(values), frame, statistics);
             }
         }
     }
@@ -308,61 +317,81 @@ impl Job<'_> {
         (frame, statistics): (&mut Frame, &mut RenderStatistics),
     ) {
         let settings = self.settings;
+        let views = both.map(|(_, view)| view);
         match Wanted::of(settings) {
             Wanted::Classified => {
                 let modes =
                     both.map(|(level, view)| composed((scene, ClassifiedBricks::new(level)), view, settings));
                 let bricks = modes.each_ref().map(|mode| &mode.bricks as &dyn Bricks);
-                self.render_both(both, (bricks, &modes), fade, (frame, statistics));
+                let (plans, shown) = self.both_planned((views, bricks), statistics);
+                let both = Both::new(&plans, &modes, fade);
+                shown.render(&Picture::ComposedLevels(both), frame, statistics);
             }
             _ => {
                 let modes = both.map(|(level, view)| shaded((scene, level), view, (camera, settings)));
                 let bricks = both.map(|(level, _)| &level.field as &dyn Bricks);
-                self.render_both(both, (bricks, &modes), fade, (frame, statistics));
+                let (plans, shown) = self.both_planned((views, bricks), statistics);
+                let both = Both::new(&plans, &modes, fade);
+                shown.render(&Picture::ShadedLevels(both), frame, statistics);
             }
         }
     }
 
-    fn render_both<M: Mode<N>, const N: usize>(
+    /// Plans the frame; with another edge of tiles than the usual one, if any.
+    fn planned(
         self,
-        both: [(&Level, &GridView); 2],
-        (bricks, modes): ([&dyn Bricks; 2], &[M; 2]),
-        fade: Ramp,
-        (frame, statistics): (&mut Frame, &mut RenderStatistics),
-    ) {
+        (bricks, tile_edge): (&dyn Bricks, Option<usize>),
+        statistics: &mut RenderStatistics,
+    ) -> (ZonedFrame<'a>, Shown<'a>) {
+        let start = Instant::now();
+        let edge = tile_edge.or(self.run.tile_edge).unwrap_or(TILE_EDGE);
+        let plan = self.plans[0].update(self.view, bricks, self.settings, edge);
+        statistics.seconds.bin += start.elapsed().as_secs_f64();
+        let shown = Shown {
+            run: self.run,
+            memory: self.memory,
+            sheets_per_voxel: self.view.sheets_per_voxel(),
+        };
+        (plan, shown)
+    }
+
+    /// Plans the frames of two levels.
+    fn both_planned(
+        self,
+        ([near, next], bricks): ([&GridView; 2], [&dyn Bricks; 2]),
+        statistics: &mut RenderStatistics,
+    ) -> ([ZonedFrame<'a>; 2], Shown<'a>) {
         let start = Instant::now();
         let edge = self.run.tile_edge.unwrap_or(TILE_EDGE);
-        let [(_, near), (_, next)] = both;
         let [first, second] = self.plans;
-        let frames = [
+        let plans = [
             first.update(near, bricks[0], self.settings, edge),
             second.update(next, bricks[1], self.settings, edge),
         ];
         statistics.seconds.bin += start.elapsed().as_secs_f64();
-        let picture = Both {
-            frames: &frames,
-            modes,
-            fade,
+        let shown = Shown {
+            run: self.run,
+            memory: self.memory,
+            sheets_per_voxel: near.sheets_per_voxel(),
         };
-        let sheets_per_voxel = near.sheets_per_voxel();
-        self.memory
-            .render(self.run, &picture, sheets_per_voxel, frame, statistics);
+        (plans, shown)
     }
+}
 
-    fn render<M: Mode<N>, const N: usize>(
-        &mut self,
-        bricks: &dyn Bricks,
-        mode: &M,
-        frame: &mut Frame,
-        statistics: &mut RenderStatistics,
-    ) {
-        let start = Instant::now();
-        let edge = self.run.tile_edge.unwrap_or(TILE_EDGE);
-        let plan = self.plans[0].update(self.view, bricks, self.settings, edge);
-        statistics.seconds.bin += start.elapsed().as_secs_f64();
-        let sheets_per_voxel = self.view.sheets_per_voxel();
-        let picture = Single { frame: &plan, mode };
-        self.memory
-            .render(self.run, &picture, sheets_per_voxel, frame, statistics);
+/// The tiles of a frame that is planned.
+struct Shown<'a> {
+    run: Run<'a>,
+    memory: &'a mut TileMemory,
+    sheets_per_voxel: u64,
+}
+
+impl Shown<'_> {
+    fn render(self, picture: &Picture<'_>, frame: &mut Frame, statistics: &mut RenderStatistics) {
+        let Self {
+            run,
+            memory,
+            sheets_per_voxel,
+        } = self;
+        memory.render(run, picture, sheets_per_voxel, frame, statistics);
     }
 }

@@ -3,10 +3,15 @@
 use fearless_simd::{f32x16, prelude::*};
 
 use super::cubic::Cubic;
+use super::intensity::Extreme;
+use super::picture::{Picture, Values};
 
 /// Extremum along a ray: the largest or smallest value. Ranks of normalised values are above 0, so that a pixel
 /// starts at rank 0.
-pub(crate) trait Extremum: Sync {
+pub(crate) trait Extremum: Sync + Sized {
+    /// The picture of these values.
+    fn picture<'a>(values: Values<'a, Extreme<Self>>) -> Picture<'a>;
+
     /// Ranks of sixteen normalised values, or values from ranks: the map is its own inverse.
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S>;
 
@@ -26,6 +31,10 @@ pub(crate) struct Largest;
 pub(crate) struct Smallest;
 
 impl Extremum for Largest {
+    fn picture<'a>(values: Values<'a, Extreme<Self>>) -> Picture<'a> {
+        Picture::Largest(values)
+    }
+
     #[inline(always)]
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S> {
         value
@@ -43,6 +52,10 @@ impl Extremum for Largest {
 }
 
 impl Extremum for Smallest {
+    fn picture<'a>(values: Values<'a, Extreme<Self>>) -> Picture<'a> {
+        Picture::Smallest(values)
+    }
+
     #[inline(always)]
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S> {
         2.0 - value

@@ -9,7 +9,7 @@
 use fearless_simd::{f32x16, prelude::*};
 
 use super::ring::Row;
-use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_point};
+use super::splat::{COLUMN, Footprint, Offset, Payload, ROW, Voxel, accumulate, load, origin_point};
 
 /// A voxel's footprints on four sheets about their own centres, for the sums of its derivatives.
 pub(crate) struct Centred<S: Simd> {
@@ -23,7 +23,7 @@ pub(crate) struct Centred<S: Simd> {
     pub offsets: [f32x16<S>; 2],
 }
 
-impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
+impl<S: Simd, const CAPACITY: usize> Voxel<'_, S, CAPACITY> {
     /// The footprints about their own centres.
     #[inline(always)]
     pub(crate) fn centred<const ELLIPSES: bool>(&self, simd: S) -> Centred<S> {
@@ -37,7 +37,7 @@ impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
         let zero = f32x16::splat(simd, 0.0);
         let profile = self.depth.combine(self.depth);
         let windowed = (profile - self.constants.depth_edge).max(zero);
-        let first = origin_point(SIZE, ELLIPSES);
+        let first = origin_point(self.size, ELLIPSES);
         Centred {
             centre: [x, y],
             value: value * windowed,
@@ -55,6 +55,8 @@ impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
 pub(crate) struct Moments;
 
 impl Payload<4> for Moments {
+    type Footprint = Self;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 4] {
         [weight * (peak * value); 4]
@@ -72,13 +74,16 @@ impl Payload<4> for Moments {
         let [x, y] = offset.points;
         [value, value * x, value * y, value * offset.depth]
     }
+}
+
+impl Footprint for Moments {
+    const WEIGHTED: bool = false;
 
     #[inline(always)]
-    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
-        &self,
+    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
         simd: S,
-        voxel: &Voxel<'_, S, SIZE>,
-        rings: &mut [&mut [Row]; 4],
+        voxel: &Voxel<'_, S, CAPACITY>,
+        rings: &mut [&mut [Row]],
     ) {
         let Centred {
             value: plain,
@@ -87,19 +92,19 @@ impl Payload<4> for Moments {
             ..
         } = voxel.centred::<ELLIPSES>(simd);
         let zero = f32x16::splat(simd, 0.0);
-        let down = voxel
-            .steps
-            .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
-        let mut across = [[zero; SIZE]; 3];
-        let mut slopes = [zero; SIZE];
-        for b in 0..SIZE {
+        let down = voxel.down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0));
+        let mut across = [[zero; CAPACITY]; 3];
+        let mut slopes = [zero; CAPACITY];
+        for b in 0..voxel.size {
             let step = voxel.steps.across[b];
             across[0][b] = step * plain;
             across[1][b] = across[0][b] * (column + (2 * b) as f32);
             across[2][b] = step * along;
             slopes[b] = down[b] * (row + (2 * b) as f32);
         }
-        let [values, along_x, along_y, along_z] = rings;
+        let [values, along_x, along_y, along_z] = rings else {
+            return;
+        };
         let (Some(values), Some(along_x), Some(along_y), Some(along_z)) = (
             voxel.rows(values),
             voxel.rows(along_x),
@@ -109,18 +114,20 @@ impl Payload<4> for Moments {
             return;
         };
         // All sums of a block in turn: four streams of stores keep a processor busier than one after the other.
-        let columns = voxel.column..voxel.column + SIZE;
-        for r in 0..SIZE {
-            let values = &mut values[r].0[columns.clone()];
-            let along_x = &mut along_x[r].0[columns.clone()];
-            let along_y = &mut along_y[r].0[columns.clone()];
-            let along_z = &mut along_z[r].0[columns.clone()];
-            for c in 0..SIZE {
-                if voxel.stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
+        let (size, columns) = (voxel.size, voxel.columns());
+        let across = across.each_ref().map(|across| &across[..size]);
+        for r in 0..size {
+            let values = &mut values[r].0[columns.clone()][..size];
+            let along_x = &mut along_x[r].0[columns.clone()][..size];
+            let along_y = &mut along_y[r].0[columns.clone()][..size];
+            let along_z = &mut along_z[r].0[columns.clone()][..size];
+            let stencil = &voxel.stencil.blocks[r][..size];
+            for c in 0..size {
+                if voxel.lacks::<ELLIPSES>(r, c) {
                     continue;
                 }
                 let [value, moment, in_depth] = if ELLIPSES {
-                    let stencil = load(simd, &voxel.stencil.blocks[r][c]);
+                    let stencil = load(simd, &stencil[c]);
                     [
                         across[0][c] * stencil,
                         across[1][c] * stencil,

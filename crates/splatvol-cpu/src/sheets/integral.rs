@@ -26,7 +26,7 @@ use super::plane::{HALO, Plane};
 use super::ring::LANES;
 use super::sheet::GroupShape;
 use super::slab::Slab;
-use super::splat::{Payload, Records};
+use super::splat::{Payload, Records, Scaled};
 use super::tile::{SheetScratch, take};
 use super::upsample::Sums;
 use crate::simd::math::exp2_of;
@@ -46,6 +46,8 @@ pub(crate) struct Integral<'a> {
 pub(crate) struct InLanes<'m>(&'m ClassifiedVoxels);
 
 impl Payload<1> for InLanes<'_> {
+    type Footprint = Scaled;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 1] {
         let four = f32x4::from_slice(simd, self.0.voxel(value));

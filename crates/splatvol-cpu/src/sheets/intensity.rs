@@ -14,6 +14,7 @@ use super::cubic::{Cubic, Parabola};
 use super::frame::{SheetFrame, ZonedFrame};
 use super::holes::Beside;
 use super::mode::{Bricks, Mode};
+use super::picture::{Picture, Values};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader};
@@ -51,7 +52,10 @@ pub(crate) struct RayInterval<S: Simd> {
 }
 
 /// Reduction of the values along a ray: their extremum or mean.
-pub(crate) trait Reduction: Sync {
+pub(crate) trait Reduction: Sync + Sized {
+    /// The picture of these values.
+    fn picture<'a>(values: Values<'a, Self>) -> Picture<'a>;
+
     /// Merges sixteen pixels' piece into the canvas; values outside `hull` are not shown.
     fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize);
 
@@ -81,6 +85,10 @@ fn or_straight<S: Simd>(simd: S, sum: f32x16<S>, shares: &Shares<S>, straight: f
 }
 
 impl<E: Extremum> Reduction for Extreme<E> {
+    fn picture<'a>(values: Values<'a, Self>) -> Picture<'a> {
+        E::picture(values)
+    }
+
     #[inline(always)]
     fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize) {
         let cubic = E::rank_cubic(piece.values);
@@ -112,6 +120,10 @@ impl<E: Extremum> Reduction for Extreme<E> {
 }
 
 impl Reduction for Mean {
+    fn picture<'a>(values: Values<'a, Self>) -> Picture<'a> {
+        Picture::Mean(values)
+    }
+
     #[inline(always)]
     fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, _: [f32; 2], canvas: &mut Canvas, pixel: usize) {
         let cubic = piece.values;

@@ -53,7 +53,7 @@ impl SheetEngine {
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             engine: "sheets",
-            simd: crate::level_name(run.level),
+            simd: run.instructions.name(),
             ..RenderStatistics::default()
         };
         run.pool.install(|| {

@@ -18,7 +18,7 @@
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame |
 //!
-//! `engine` keeps state from frame to frame, `tiles` the pixels from pass to pass. `layer` runs the layers of a `tile` through these
+//! `engine` keeps state from frame to frame, `tiles` the pixels from pass to pass. A `picture` is what tiles show, of any mode. `layer` runs the layers of a `tile` through these
 //! stages (several in a `scene`, as `layers`), and `canvas` composites their material. A `mode` holds what differs
 //! between post-classification and the others.
 #![allow(
@@ -56,6 +56,7 @@ pub(crate) mod mask;
 pub(crate) mod mode;
 pub(crate) mod needed;
 pub(crate) mod operated;
+pub(crate) mod picture;
 pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;

@@ -120,8 +120,8 @@ impl Needed {
     /// Whether a block is left out of footprints of this size. Tests have no cost for small ones, and little for others:
     /// those of all voxels of a slab have the same results.
     #[inline(always)]
-    pub(crate) fn lacks<const SIZE: usize, const ELLIPSES: bool>(&self, row: usize, column: usize) -> bool {
-        ELLIPSES && SIZE >= TRIMMED && !self.has(row, column)
+    pub(crate) fn lacks<const ELLIPSES: bool>(&self, size: usize, [row, column]: [usize; 2]) -> bool {
+        ELLIPSES && size >= TRIMMED && !self.has(row, column)
     }
 
     /// Whether a block is one of them.

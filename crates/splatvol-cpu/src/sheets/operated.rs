@@ -98,7 +98,7 @@ struct Sixteen {
 
 /// The same of all pixels of a tile that an interval fills.
 #[derive(Debug, Default)]
-struct Divided {
+pub(crate) struct Divided {
     sixteens: Vec<Sixteen>,
     /// Sixteens of a row.
     pitch: usize,
@@ -111,6 +111,11 @@ impl Divided {
             .get(y * self.pitch + x / 16)
             .copied()
             .unwrap_or_default()
+    }
+
+    /// Bits of the sixteen pixels from a place on that clips leave whole.
+    pub(crate) fn whole(&self, place: [usize; 2]) -> u16 {
+        self.at(place).whole
     }
 }
 
@@ -263,7 +268,6 @@ impl<'a> Operated<'a> {
 
     /// Shades an interval, and closes the pixels that it finishes. Pixels that clips neither touch nor have just left are shaded
     /// as without clips.
-    #[inline(always)]
     pub(crate) fn shade<S: Simd>(
         &self,
         simd: S,
@@ -287,11 +291,11 @@ impl<'a> Operated<'a> {
         };
         match side {
             Side::Hidden => {}
-            Side::Visible if faces.faces.is_empty() => shader.shade(simd, interval, target),
+            Side::Visible if faces.faces.is_empty() => shader.shade(simd, interval, target, None),
             _ => {
                 faces.divide((&pixels, only_cuts.then_some(&self.cut)), (target, sheet));
                 let divided = std::mem::take(&mut faces.divided);
-                shader.shade_some(simd, interval, target, |at| divided.at(at).whole);
+                shader.shade(simd, interval, target, Some(&divided));
                 self.shade_cut((&pixels, sheet), target, (faces, &divided));
                 faces.divided = divided;
             }

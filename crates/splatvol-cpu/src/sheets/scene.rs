@@ -28,6 +28,7 @@ use super::intensity::{Extreme, Mean, Reduction};
 use super::layers::{Layer, Layers};
 use super::levels::detail;
 use super::operated::Operated;
+use super::picture::{Picture, Values};
 use super::ring::LANES;
 use super::shaded::Shaded;
 use super::tiles::{Single, TILE_EDGE};
@@ -209,7 +210,7 @@ impl SheetEngine {
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             engine: "sheets",
-            simd: crate::level_name(run.level),
+            simd: run.instructions.name(),
             ..RenderStatistics::default()
         };
         statistics.seconds.classify = start.elapsed().as_secs_f64();
@@ -351,7 +352,8 @@ impl SheetEngine {
             statistics.seconds.bin += planned.elapsed().as_secs_f64();
             if !layers.is_empty() {
                 let run = Run { task, block, ..run };
-                memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
+                let layers = Layers(layers);
+                memory.render(run, &Picture::Layers(&layers), LANES as u64, frame, statistics);
             }
             run.task.go_on()?;
         }
@@ -383,10 +385,7 @@ impl SheetEngine {
                 continue;
             };
             statistics.seconds.bin += start.elapsed().as_secs_f64();
-            let picture = Single {
-                frame: &plan,
-                mode: &mode,
-            };
+            let picture = K::picture(Values::OfMesh(Single::new(&plan, &mode)));
             self.memory.render(run, &picture, LANES as u64, frame, statistics);
         }
         Ok(())

@@ -17,6 +17,7 @@ use glam::Vec3A;
 use super::canvas::Canvas;
 use super::holes::Beside;
 use super::mask::OpenMask;
+use super::operated::Divided;
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade_batch::{Pixels, ShadeBatch};
@@ -183,20 +184,27 @@ impl<'a> ShadeTarget<'a> {
 }
 
 impl PlaneShader<'_> {
-    /// Shades an interval, and closes the pixels that it finishes.
-    #[inline(always)]
-    pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
-        self.shade_some(simd, interval, target, |_| u16::MAX);
-    }
-
-    /// As [`Self::shade`], of sixteen pixels from a place on those that `which` has bits for.
-    #[inline(always)]
-    pub(crate) fn shade_some<S: Simd>(
+    /// Shades an interval, or some of its pixels, and closes those that it finishes. Compiled once, whatever the mode.
+    pub(crate) fn shade<S: Simd>(
         &self,
         simd: S,
         interval: &Interval<'_>,
         target: &mut ShadeTarget<'_>,
-        which: impl Fn([usize; 2]) -> u16,
+        some: Option<&Divided>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shade_rows(simd, interval, target, some),
+        );
+    }
+
+    #[inline(always)]
+    fn shade_rows<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &mut ShadeTarget<'_>,
+        some: Option<&Divided>,
     ) {
         let span = target.span;
         target.batch.begin(interval);
@@ -204,7 +212,8 @@ impl PlaneShader<'_> {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
                 if target.mask.sixteen(x, y) != 0 {
-                    let shown = self.may_show(simd, interval, target, [x, y]) & u64::from(which([x, y]));
+                    let which = some.map_or(u16::MAX, |divided| divided.whole([x, y]));
+                    let shown = self.may_show(simd, interval, target, [x, y]) & u64::from(which);
                     if shown != 0 {
                         self.collect(simd, interval, target, ([x, y], shown));
                     }

@@ -193,9 +193,16 @@ pub(super) struct Interior<S: Simd> {
 }
 
 impl PlaneShader<'_> {
-    /// Shades and composites the batch.
-    #[inline(always)]
+    /// Shades and composites the batch. Compiled once for both of its callers.
     pub(super) fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shade_batch(simd, interval, target),
+        );
+    }
+
+    #[inline(always)]
+    fn shade_batch<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let mut at = 0;
         while at < target.batch.len.min(CAPACITY) {
             self.shade_sixteen(simd, interval, target.batch, at);

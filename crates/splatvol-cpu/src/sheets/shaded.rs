@@ -70,7 +70,6 @@ impl Mode<1> for Shaded<'_> {
 
 /// Classifies, lights and composites an interval: sixteen pixels at a time, or one by one where operators, clips or
 /// isosurfaces apply.
-#[inline(always)]
 pub(crate) fn show<S: Simd>(
     simd: S,
     (shader, operated): (&PlaneShader<'_>, Option<&Operated<'_>>),
@@ -78,7 +77,7 @@ pub(crate) fn show<S: Simd>(
     (target, faces): (&mut ShadeTarget<'_>, &mut Faces),
 ) {
     match operated {
-        None => shader.shade(simd, interval, target),
+        None => shader.shade(simd, interval, target, None),
         Some(operated) => operated.shade(simd, (shader, interval, sheet), target, faces),
     }
 }

@@ -17,7 +17,7 @@ use splatvol_core::plan::SplatConstants;
 use super::gradients::Centred;
 use super::ring::Row;
 use super::sheet::GroupShape;
-use super::splat::{Offset, Payload, Voxel, accumulate, load};
+use super::splat::{Footprint, Offset, Payload, Voxel, accumulate, load};
 
 /// A coefficient, with its footprint's slope along each pixel's ray.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +75,8 @@ impl<S: Simd> Slope<S> {
 }
 
 impl Payload<2> for Slopes {
+    type Footprint = Self;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 2] {
         [weight * (peak * value); 2]
@@ -94,13 +96,16 @@ impl Payload<2> for Slopes {
         let along = slope.across(x) + slope.down(y) + slope.xy * x * y + offset.depth * slope.depth;
         [value, value * along]
     }
+}
+
+impl Footprint for Slopes {
+    const WEIGHTED: bool = false;
 
     #[inline(always)]
-    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
-        &self,
+    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
         simd: S,
-        voxel: &Voxel<'_, S, SIZE>,
-        rings: &mut [&mut [Row]; 2],
+        voxel: &Voxel<'_, S, CAPACITY>,
+        rings: &mut [&mut [Row]],
     ) {
         let Centred {
             centre,
@@ -111,13 +116,11 @@ impl Payload<2> for Slopes {
         let slope = Slope::new(simd, (voxel.shape, voxel.constants), centre);
         let in_depth = in_depth * slope.depth;
         let zero = f32x16::splat(simd, 0.0);
-        let down = voxel
-            .steps
-            .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
+        let down = voxel.down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0));
         // Columns and rows of the value, of the slope, and of the product of both offsets.
-        let (mut across, mut rising, mut offsets) = ([zero; SIZE], [zero; SIZE], [zero; SIZE]);
-        let (mut falling, mut places) = ([zero; SIZE], [zero; SIZE]);
-        for b in 0..SIZE {
+        let (mut across, mut rising, mut offsets) = ([zero; CAPACITY], [zero; CAPACITY], [zero; CAPACITY]);
+        let (mut falling, mut places) = ([zero; CAPACITY], [zero; CAPACITY]);
+        for b in 0..voxel.size {
             let step = voxel.steps.across[b];
             let (x, y) = (column + (2 * b) as f32, row + (2 * b) as f32);
             across[b] = step * plain;
@@ -128,22 +131,26 @@ impl Payload<2> for Slopes {
                 places[b] = down[b] * y;
             }
         }
-        let [values, along] = rings;
+        let [values, along] = rings else {
+            return;
+        };
         let (Some(values), Some(along)) = (voxel.rows(values), voxel.rows(along)) else {
             return;
         };
-        let columns = voxel.column..voxel.column + SIZE;
-        for r in 0..SIZE {
-            let values = &mut values[r].0[columns.clone()];
-            let along = &mut along[r].0[columns.clone()];
-            for c in 0..SIZE {
-                if voxel.stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
+        let (size, columns) = (voxel.size, voxel.columns());
+        let (across, rising, offsets) = (&across[..size], &rising[..size], &offsets[..size]);
+        for r in 0..size {
+            let values = &mut values[r].0[columns.clone()][..size];
+            let along = &mut along[r].0[columns.clone()][..size];
+            let stencil = &voxel.stencil.blocks[r][..size];
+            for c in 0..size {
+                if voxel.lacks::<ELLIPSES>(r, c) {
                     continue;
                 }
                 let mut value = across[c] * down[r];
                 let mut rise = rising[c] * down[r] + across[c] * falling[r];
                 if ELLIPSES {
-                    let stencil = load(simd, &voxel.stencil.blocks[r][c]);
+                    let stencil = load(simd, &stencil[c]);
                     rise = (rise + offsets[c] * places[r]) * stencil;
                     value *= stencil;
                 }

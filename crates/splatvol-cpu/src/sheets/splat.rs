@@ -17,12 +17,15 @@
 //! is what remains of the centre's offset, and the last factor becomes `2^(q(u, v) + B((u, v), s))`, q the exponent as above and
 //! B twice its bilinear form. So powers stay as small as u and v.
 
+use std::ops::Range;
+
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 
 use super::needed::{Footprints, Needed};
 use super::ring::{Area, Block, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
+use super::tile::MAX_CHANNELS;
 use crate::simd::math::{LEAST_NORMAL, exp2, exp2_quick};
 
 /// Voxels buffered for splatting.
@@ -230,13 +233,43 @@ const fn origin_block(size: usize, ellipses: bool) -> usize {
 /// processor's look-ahead; those of different voxels run side by side.
 const BATCH: usize = 16;
 
-/// Powers of a batch, exponents first: `p, q, 2^(a u^2 + c u v + b v^2)`, profile in depth, four sheets each.
-#[derive(Debug)]
-pub(crate) struct Powers([Lanes16; BATCH]);
+/// Powers and weights of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct Powers {
+    /// `p, q, 2^(a u^2 + c u v + b v^2)`, profile in depth, four sheets each.
+    exponents: [Lanes16; BATCH],
+    /// What each footprint is multiplied by in each ring, at the raster point that powers count from.
+    weights: [[Lanes16; MAX_CHANNELS]; BATCH],
+}
 
-impl Default for Powers {
-    fn default() -> Self {
-        Self([Lanes16::default(); BATCH])
+impl Powers {
+    /// Computes the powers of a batch of footprints.
+    #[inline(always)]
+    fn of_batch<S: Simd, const ELLIPSES: bool>(
+        &mut self,
+        simd: S,
+        group: FootprintGroup<'_>,
+        (records, batch): (&Records, Range<usize>),
+    ) {
+        // Voxels far before a zone's first plane are splatted into it, with powers that no number holds.
+        let least = f32x16::splat(simd, LEAST_NORMAL);
+        let count = batch.len();
+        let shapes = (group.constants, group.shape, group.stencil);
+        exponents::<S, ELLIPSES>(simd, shapes, (records, batch.start, count), &mut self.exponents);
+        for lanes in &mut self.exponents[..count] {
+            exp2_quick(simd, load(simd, lanes).max(least)).store_slice(&mut lanes.0);
+        }
+    }
+
+    /// A footprint's weight, per peak, at the raster point that powers count from.
+    #[inline(always)]
+    fn weight<S: Simd>(&self, simd: S, n: usize, constants: &SplatConstants) -> f32x16<S> {
+        let (_, weights) = load(simd, &self.exponents[n]).split();
+        let (lateral, depth) = weights.split();
+        let (lateral, depth) = (lateral.combine(lateral), depth.combine(depth));
+        let profile = (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
+        let weight = lateral * profile;
+        weight.combine(weight)
     }
 }
 
@@ -254,6 +287,9 @@ pub(crate) struct Offset<'a, S: Simd> {
 
 /// Payload of a voxel: the numbers that its record's value adds to N rings.
 pub(crate) trait Payload<const N: usize>: Copy {
+    /// How its footprints are added to the rings.
+    type Footprint: Footprint;
+
     /// A footprint's weight (per peak) times its peak times each number.
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
 
@@ -269,59 +305,125 @@ pub(crate) trait Payload<const N: usize>: Copy {
     ) -> [f32x16<S>; N] {
         weights.map(|weight| weight * share)
     }
+}
 
-    /// Adds a voxel's footprint to each ring.
-    #[inline(always)]
-    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
-        &self,
+/// Footprints of a voxel in the rings, block by block. Compiled for each size of footprints; payloads share them.
+pub(crate) trait Footprint {
+    /// Whether the payload's weights are used.
+    const WEIGHTED: bool;
+
+    /// Adds a voxel's footprint to each ring. `CAPACITY` is the number of blocks along the edge, or the most of these.
+    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
         simd: S,
-        voxel: &Voxel<'_, S, SIZE>,
-        rings: &mut [&mut [Row]; N],
+        voxel: &Voxel<'_, S, CAPACITY>,
+        rings: &mut [&mut [Row]],
+    );
+}
+
+/// One footprint in every ring, times a weight for each.
+pub(crate) struct Scaled;
+
+impl Footprint for Scaled {
+    const WEIGHTED: bool = true;
+
+    #[inline(always)]
+    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
+        simd: S,
+        voxel: &Voxel<'_, S, CAPACITY>,
+        rings: &mut [&mut [Row]],
     ) {
-        let weight = voxel.weight(simd);
-        let peak = load(simd, &voxel.shape.peak);
-        let weights = self.weights(simd, voxel.records.value[voxel.index], weight, peak);
-        for channel in 0..N {
-            let Some(rows) = voxel.rows(rings[channel]) else {
+        for (ring, weight) in rings.iter_mut().zip(voxel.weights) {
+            let Some(rows) = voxel.rows(ring) else {
                 continue;
             };
-            let blocks = (rows, voxel.column);
-            voxel
-                .steps
-                .add::<ELLIPSES>(simd, weights[channel], voxel.stencil, blocks);
+            let down = voxel.down::<ELLIPSES>(simd, load(simd, weight));
+            voxel.add_product::<ELLIPSES>(simd, &down, rows);
         }
     }
 }
 
 /// A voxel about to be splatted into a group of sheets.
-pub(crate) struct Voxel<'a, S: Simd, const SIZE: usize> {
+pub(crate) struct Voxel<'a, S: Simd, const CAPACITY: usize> {
     pub records: &'a Records,
     pub index: usize,
     pub constants: &'a SplatConstants,
     pub shape: &'a GroupShape,
     pub stencil: &'a Stencil,
-    pub steps: Steps<S, SIZE>,
+    /// Blocks along the footprint's edge: `CAPACITY`, but where one body is compiled for several sizes.
+    pub size: usize,
+    pub steps: Steps<S, CAPACITY>,
     /// The footprint at the raster point that its powers count from, and the profile in depth: four sheets, twice.
     pub lateral: f32x8<S>,
     pub depth: f32x8<S>,
+    /// What the footprint is multiplied by in each ring.
+    weights: &'a [Lanes16; MAX_CHANNELS],
     /// Column of the first block.
     pub column: usize,
 }
 
-impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
-    /// The weight, per peak, at the raster point that powers count from.
-    #[inline(always)]
-    fn weight(&self, simd: S) -> f32x16<S> {
-        let profile = (self.depth - self.constants.depth_edge).max(f32x8::splat(simd, 0.0));
-        let weight = self.lateral * profile;
-        weight.combine(weight)
-    }
-
+impl<S: Simd, const CAPACITY: usize> Voxel<'_, S, CAPACITY> {
     /// Rows of a ring that the footprint touches.
     #[inline(always)]
-    pub(crate) fn rows<'r>(&self, ring: &'r mut [Row]) -> Option<&'r mut [Row; SIZE]> {
-        ring.get_mut(self.records.row[self.index] as usize..)?
-            .first_chunk_mut::<SIZE>()
+    pub(crate) fn rows<'r>(&self, ring: &'r mut [Row]) -> Option<&'r mut [Row]> {
+        let row = self.records.row[self.index] as usize;
+        ring.get_mut(row..row + self.size)
+    }
+
+    /// Columns of a ring that the footprint touches.
+    #[inline(always)]
+    pub(crate) fn columns(&self) -> Range<usize> {
+        self.column..self.column + self.size
+    }
+
+    /// Whether a block is left out.
+    #[inline(always)]
+    pub(crate) fn lacks<const ELLIPSES: bool>(&self, row: usize, column: usize) -> bool {
+        self.stencil.needed.lacks::<ELLIPSES>(self.size, [row, column])
+    }
+
+    /// Powers of the rows, times a weight.
+    #[inline(always)]
+    pub(crate) fn down<const ELLIPSES: bool>(&self, simd: S, weight: f32x16<S>) -> [f32x16<S>; CAPACITY] {
+        let Self {
+            steps, stencil, size, ..
+        } = self;
+        let origin = origin_block(*size, ELLIPSES);
+        let mut down = [steps.origin * weight; CAPACITY];
+        for r in origin + 1..*size {
+            down[r] = down[r - 1] * steps.forward;
+        }
+        for r in (0..origin).rev() {
+            down[r] = down[r + 1] * steps.back;
+        }
+        if !ELLIPSES {
+            for b in 0..*size {
+                down[b] *= load(simd, &stencil.rows[b]);
+            }
+        }
+        down
+    }
+
+    /// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
+    #[inline(always)]
+    fn add_product<const ELLIPSES: bool>(&self, simd: S, down: &[f32x16<S>; CAPACITY], rows: &mut [Row]) {
+        // Slices of one length: no test of an index is left in the inner loop.
+        let size = self.size;
+        let (across, rows, down) = (&self.steps.across[..size], &mut rows[..size], &down[..size]);
+        for r in 0..size {
+            let line = &mut rows[r].0[self.columns()][..size];
+            let stencil = &self.stencil.blocks[r][..size];
+            for c in 0..size {
+                if self.lacks::<ELLIPSES>(r, c) {
+                    continue;
+                }
+                let weights = if ELLIPSES {
+                    across[c] * load(simd, &stencil[c])
+                } else {
+                    across[c]
+                };
+                accumulate(simd, weights * down[r], &mut line[c]);
+            }
+        }
     }
 }
 
@@ -330,76 +432,147 @@ impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
 pub(crate) struct Coefficient;
 
 impl Payload<1> for Coefficient {
+    type Footprint = Scaled;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 1] {
         [weight * (peak * value)]
     }
 }
 
-/// Splats all records into a group of sheets of each of N rings; footprints are `SIZE` x `SIZE` blocks.
+/// What all voxels of a slab share on a group of sheets.
+#[derive(Clone, Copy)]
+pub(crate) struct FootprintGroup<'a> {
+    pub constants: &'a SplatConstants,
+    pub shape: &'a GroupShape,
+    pub stencil: &'a Stencil,
+    /// Blocks along a footprint's edge, one of `SIZES`.
+    pub size: usize,
+    pub ellipses: bool,
+}
+
+/// Splats all records into a group of sheets of each of N rings.
 #[inline(always)]
-pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, const ELLIPSES: bool>(
+pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize>(
     simd: S,
-    (constants, shape, stencil): (&SplatConstants, &GroupShape, &Stencil),
+    group: FootprintGroup<'_>,
     (records, payload): (&Records, P),
     powers: &mut Powers,
     rings: &mut [&mut [Row]; N],
 ) {
     let total = records.len.min(CAPACITY);
-    // Voxels far before a zone's first plane are splatted into it, with powers that no number holds.
-    let least = f32x16::splat(simd, LEAST_NORMAL);
     let mut first = 0;
     while first < total {
-        let count = (total - first).min(BATCH);
-        exponents::<S, ELLIPSES>(simd, (constants, shape, stencil), (records, first, count), powers);
-        for lanes in &mut powers.0[..count] {
-            exp2_quick(simd, load(simd, lanes).max(least)).store_slice(&mut lanes.0);
+        let batch = first..total.min(first + BATCH);
+        match group.ellipses {
+            true => powers.of_batch::<S, true>(simd, group, (records, batch.clone())),
+            false => powers.of_batch::<S, false>(simd, group, (records, batch.clone())),
         }
-        for n in 0..count {
-            let (bases, weights) = load(simd, &powers.0[n]).split();
-            let (lateral, depth) = weights.split();
-            let steps = if ELLIPSES {
-                Steps::<S, SIZE>::of_ellipse(simd, bases)
-            } else {
-                Steps::<S, SIZE>::of_round(simd, bases, stencil)
-            };
-            let voxel = Voxel {
-                records,
-                index: first + n,
-                constants,
-                shape,
-                stencil,
-                steps,
-                lateral: lateral.combine(lateral),
-                depth: depth.combine(depth),
-                column: (records.column[first + n] as usize).min(PITCH - SIZE),
-            };
-            payload.add::<S, SIZE, ELLIPSES>(simd, &voxel, rings);
+        if P::Footprint::WEIGHTED {
+            let peak = load(simd, &group.shape.peak);
+            for n in 0..batch.len() {
+                let weight = powers.weight(simd, n, group.constants);
+                let weights = payload.weights(simd, records.value[first + n], weight, peak);
+                for (weight, kept) in weights.into_iter().zip(&mut powers.weights[n]) {
+                    weight.store_slice(&mut kept.0);
+                }
+            }
         }
-        first += count;
+        add_batch::<S, P::Footprint>(simd, group, (records, batch.clone(), powers), rings);
+        first = batch.end;
     }
 }
 
-/// [`splat`] for footprints of `size` blocks, one of `SIZES`. Compiled once per payload, whoever calls it.
+/// Whether one body serves footprints of all sizes. SSE2 is for processors of before 2013, and for proof.
+const fn has_one_body<S: Simd>() -> bool {
+    cfg!(any(target_arch = "x86", target_arch = "x86_64")) && <S::f32s as SimdBase<S>>::LEN == 4
+}
+
+/// Adds a batch of footprints, by the body that is compiled for their size.
 #[inline(always)]
-pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
+fn add_batch<S: Simd, F: Footprint>(
     simd: S,
-    (size, ellipses): (usize, bool),
-    shapes: (&SplatConstants, &GroupShape, &Stencil),
-    records: (&Records, P),
-    powers: &mut Powers,
-    rings: &mut [&mut [Row]; N],
+    group: FootprintGroup<'_>,
+    batch: (&Records, Range<usize>, &Powers),
+    rings: &mut [&mut [Row]],
 ) {
     macro_rules! by_size {
         ($($size:literal)*) => {
-            match (size, ellipses) {
-                $(($size, false) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, false>(simd, shapes, records, powers, rings)),
-                ($size, true) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, true>(simd, shapes, records, powers, rings)),)*
-                _ => unreachable!("footprints of {size} blocks"),
+            match group.size {
+                $($size => add_by_shape::<S, F, $size>(simd, group, batch, rings),)*
+                _ => add_by_shape::<S, F, MAX_BLOCKS>(simd, group, batch, rings),
             }
         };
     }
-    by_size!(2 3 4 5 6 7 8 10 12 16);
+    if const { has_one_body::<S>() } {
+        add_by_shape::<S, F, MAX_BLOCKS>(simd, group, batch, rings);
+    } else {
+        by_size!(2 3 4 5 6 7 8 10 12);
+    }
+}
+
+/// Adds a batch of footprints of up to `CAPACITY` x `CAPACITY` blocks, round or elliptical.
+#[inline(always)]
+fn add_by_shape<S: Simd, F: Footprint, const CAPACITY: usize>(
+    simd: S,
+    group: FootprintGroup<'_>,
+    batch: (&Records, Range<usize>, &Powers),
+    rings: &mut [&mut [Row]],
+) {
+    match group.ellipses {
+        false => simd.vectorize(
+            #[inline(always)]
+            || add_sized::<S, F, CAPACITY, false>(simd, group, batch, rings),
+        ),
+        true => simd.vectorize(
+            #[inline(always)]
+            || add_sized::<S, F, CAPACITY, true>(simd, group, batch, rings),
+        ),
+    }
+}
+
+/// Adds a batch of footprints of up to `CAPACITY` x `CAPACITY` blocks.
+#[inline(always)]
+fn add_sized<S: Simd, F: Footprint, const CAPACITY: usize, const ELLIPSES: bool>(
+    simd: S,
+    group: FootprintGroup<'_>,
+    (records, batch, powers): (&Records, Range<usize>, &Powers),
+    rings: &mut [&mut [Row]],
+) {
+    let FootprintGroup {
+        constants,
+        shape,
+        stencil,
+        ..
+    } = group;
+    // Known when it is compiled, but in the body for all sizes.
+    let size = match CAPACITY {
+        MAX_BLOCKS => group.size.min(MAX_BLOCKS),
+        _ => CAPACITY,
+    };
+    for (n, index) in batch.enumerate() {
+        let (bases, weights) = load(simd, &powers.exponents[n]).split();
+        let (lateral, depth) = weights.split();
+        let steps = if ELLIPSES {
+            Steps::of_ellipse(simd, size, bases)
+        } else {
+            Steps::of_round(simd, size, bases, stencil)
+        };
+        let voxel = Voxel {
+            records,
+            index,
+            constants,
+            shape,
+            stencil,
+            size,
+            steps,
+            lateral: lateral.combine(lateral),
+            depth: depth.combine(depth),
+            weights: &powers.weights[n],
+            column: (records.column[index] as usize).min(PITCH - size),
+        };
+        F::add::<S, CAPACITY, ELLIPSES>(simd, &voxel, rings);
+    }
 }
 
 /// Exponents of a batch of footprints.
@@ -408,7 +581,7 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
     simd: S,
     (constants, shape, stencil): (&SplatConstants, &GroupShape, &Stencil),
     (records, first, count): (&Records, usize, usize),
-    powers: &mut Powers,
+    exponents: &mut [Lanes16; BATCH],
 ) {
     let (depth, scale) = (load(simd, &shape.depth), load(simd, &shape.scale));
     let (xx, yy) = (load(simd, &shape.xx), load(simd, &shape.yy));
@@ -448,13 +621,13 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
             linear += second.select(u, v) * cross + slope_x;
             rest += v * slope_y;
         }
-        (linear * again + rest).store_slice(&mut powers.0[n].0);
+        (linear * again + rest).store_slice(&mut exponents[n].0);
     }
 }
 
 /// Powers of a voxel's columns, and the factors from row to row.
-pub(crate) struct Steps<S: Simd, const SIZE: usize> {
-    pub across: [f32x16<S>; SIZE],
+pub(crate) struct Steps<S: Simd, const CAPACITY: usize> {
+    pub across: [f32x16<S>; CAPACITY],
     /// Factors of the rows in the block from which they are counted.
     origin: f32x16<S>,
     forward: f32x16<S>,
@@ -468,19 +641,19 @@ fn four_times<S: Simd>(four: f32x4<S>) -> f32x16<S> {
     both.combine(both)
 }
 
-impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
+impl<S: Simd, const CAPACITY: usize> Steps<S, CAPACITY> {
     #[inline(always)]
-    fn of_round(simd: S, bases: f32x8<S>, stencil: &Stencil) -> Self {
+    fn of_round(simd: S, size: usize, bases: f32x8<S>, stencil: &Stencil) -> Self {
         let (p, q) = bases.split();
         let one = f32x4::splat(simd, 1.0);
         let columns = one.combine(p);
-        let mut across = [columns.combine(columns); SIZE];
+        let mut across = [columns.combine(columns); CAPACITY];
         let p = four_times(p);
         let forward = p * p;
-        for b in 1..SIZE {
+        for b in 1..size {
             across[b] = across[b - 1] * forward;
         }
-        for b in 0..SIZE {
+        for b in 0..size {
             across[b] *= load(simd, &stencil.columns[b]);
         }
         let origin = one.combine(one).combine(q.combine(q));
@@ -494,17 +667,17 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
     }
 
     #[inline(always)]
-    fn of_ellipse(simd: S, bases: f32x8<S>) -> Self {
-        let origin = origin_block(SIZE, true);
+    fn of_ellipse(simd: S, size: usize, bases: f32x8<S>) -> Self {
+        let origin = origin_block(size, true);
         let (p, q) = bases.split();
         let inverse = f32x8::splat(simd, 1.0) / bases;
         let (p_back, q_back) = (inverse * inverse).split();
         let one = f32x4::splat(simd, 1.0);
         let columns = one.combine(p);
-        let mut across = [columns.combine(columns); SIZE];
+        let mut across = [columns.combine(columns); CAPACITY];
         let p = four_times(p);
         let (forward, back) = (p * p, four_times(p_back));
-        for b in origin + 1..SIZE {
+        for b in origin + 1..size {
             across[b] = across[b - 1] * forward;
         }
         for b in (0..origin).rev() {
@@ -519,71 +692,10 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
             back: four_times(q_back),
         }
     }
-
-    /// Powers of the rows, times a weight.
-    #[inline(always)]
-    pub(crate) fn down<const ELLIPSES: bool>(
-        &self,
-        simd: S,
-        weight: f32x16<S>,
-        stencil: &Stencil,
-    ) -> [f32x16<S>; SIZE] {
-        let origin = origin_block(SIZE, ELLIPSES);
-        let mut down = [self.origin * weight; SIZE];
-        for r in origin + 1..SIZE {
-            down[r] = down[r - 1] * self.forward;
-        }
-        for r in (0..origin).rev() {
-            down[r] = down[r + 1] * self.back;
-        }
-        if !ELLIPSES {
-            for b in 0..SIZE {
-                down[b] *= load(simd, &stencil.rows[b]);
-            }
-        }
-        down
-    }
-
-    /// Adds the voxel's footprint to its blocks.
-    #[inline(always)]
-    fn add<const ELLIPSES: bool>(
-        &self,
-        simd: S,
-        weight: f32x16<S>,
-        stencil: &Stencil,
-        blocks: (&mut [Row; SIZE], usize),
-    ) {
-        let down = self.down::<ELLIPSES>(simd, weight, stencil);
-        add_product::<S, SIZE, ELLIPSES>(simd, [&self.across, &down], stencil, blocks);
-    }
 }
 
 /// Adds to a block.
 #[inline(always)]
 pub(crate) fn accumulate<S: Simd>(simd: S, weights: f32x16<S>, block: &mut Block) {
     (weights + f32x16::from_slice(simd, &block.0)).store_slice(&mut block.0);
-}
-
-/// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
-#[inline(always)]
-fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
-    simd: S,
-    [across, down]: [&[f32x16<S>; SIZE]; 2],
-    stencil: &Stencil,
-    (blocks, first): (&mut [Row; SIZE], usize),
-) {
-    for r in 0..SIZE {
-        let line = &mut blocks[r].0[first..first + SIZE];
-        for c in 0..SIZE {
-            if stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
-                continue;
-            }
-            let weights = if ELLIPSES {
-                across[c] * load(simd, &stencil.blocks[r][c])
-            } else {
-                across[c]
-            };
-            accumulate(simd, weights * down[r], &mut line[c]);
-        }
-    }
 }

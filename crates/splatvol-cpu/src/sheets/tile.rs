@@ -24,7 +24,7 @@ use super::plane::{HALO, Plane};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
-use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_point, splat_sized};
+use super::splat::{CAPACITY, FootprintGroup, Payload, Powers, Records, Stencil, origin_point, splat};
 use super::upsample::{Sums, Upsampler};
 
 /// A brick's values.
@@ -293,9 +293,26 @@ pub(crate) fn enter_lattice<S: Simd, M: Mode<N>, const N: usize>(
     );
 }
 
+/// Splats the records, if there are any. Compiled once for both of its callers.
+fn flush<S: Simd, M: Mode<N>, const N: usize>(
+    simd: S,
+    of: (&SheetFrame<'_>, &M),
+    around: (&Place, usize, usize),
+    prepared: &mut bool,
+    scratch: &mut SheetScratch,
+    work: &mut SheetWork,
+) {
+    if scratch.records.len > 0 {
+        simd.vectorize(
+            #[inline(always)]
+            || splat_records(simd, of, around, prepared, scratch, work),
+        );
+    }
+}
+
 /// Splats the records.
 #[inline(always)]
-fn flush<S: Simd, M: Mode<N>, const N: usize>(
+fn splat_records<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
     (frame, mode): (&SheetFrame<'_>, &M),
     (place, size, sheet): (&Place, usize, usize),
@@ -303,9 +320,6 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     scratch: &mut SheetScratch,
     work: &mut SheetWork,
 ) {
-    if scratch.records.len == 0 {
-        return;
-    }
     let start = Instant::now();
     mode.prepare(simd, (frame, sheet, !*prepared), scratch);
     if !std::mem::replace(prepared, true) {
@@ -399,8 +413,17 @@ impl OpenSheets<'_> {
                     || group.splat(simd, records_of, of, rings),
                 ));
             } else {
-                let shapes = (&frame.constants, shape, &self.stencils[group]);
-                splat_sized(simd, (size, frame.ellipses), shapes, records_of, powers, rings);
+                let footprints = FootprintGroup {
+                    constants: &frame.constants,
+                    shape,
+                    stencil: &self.stencils[group],
+                    size,
+                    ellipses: frame.ellipses,
+                };
+                simd.vectorize(
+                    #[inline(always)]
+                    || splat(simd, footprints, records_of, powers, rings),
+                );
             }
         }
         for touched in &mut ring.touched {
@@ -439,8 +462,7 @@ pub(crate) fn take_planes<S: Simd, const N: usize>(
     }
 }
 
-/// Takes a finished sheet out of the ring, to pixels.
-#[inline(always)]
+/// Takes a finished sheet out of the ring, to pixels. Compiled once, whatever the mode.
 pub(crate) fn take<S: Simd>(
     simd: S,
     (step, sums): (usize, Sums),
@@ -449,10 +471,15 @@ pub(crate) fn take<S: Simd>(
     (ring, plane): (&mut SheetRing, &mut Plane),
     (raster, upsampler): (&mut Plane, &mut Upsampler),
 ) {
-    if step == 1 {
-        plane.take(simd, ring, slot, MAX_BLOCKS, place.raster);
-    } else {
-        raster.take(simd, ring, slot, MAX_BLOCKS, place.raster);
-        upsampler.run(simd, raster, plane, (place, step, sums));
+    let taken = if step == 1 { &mut *plane } else { &mut *raster };
+    simd.vectorize(
+        #[inline(always)]
+        || taken.take(simd, ring, slot, MAX_BLOCKS, place.raster),
+    );
+    if step > 1 {
+        simd.vectorize(
+            #[inline(always)]
+            || upsampler.run(simd, raster, plane, (place, step, sums)),
+        );
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use rayon::prelude::*;
 use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, StageSeconds};
@@ -15,6 +15,7 @@ use super::canvas::Canvas;
 use super::frame::ZonedFrame;
 use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
+use super::picture::{Picture, TileWork};
 use super::resolve::{Slots, resolve};
 use super::tile::{SheetScratch, SheetWork};
 use crate::run::Run;
@@ -48,13 +49,14 @@ impl TileMemory {
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
-        picture: &impl Tiles,
+        picture: &Picture<'_>,
         sheets_per_voxel: u64,
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
     ) {
         let start = Instant::now();
-        let plan = picture.frame().plan;
+        let shown = picture.tiles();
+        let plan = shown.frame().plan;
         let grid = &plan.tiles;
         let slots = Slots::new(run.task.held(grid.picture()), grid);
         self.scratch
@@ -72,10 +74,10 @@ impl TileMemory {
             resolve((grid, &slots), tiles, frame, run.block.map(|block| block.rect));
         }
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
-        statistics.active_bricks += picture.bricks();
+        statistics.active_bricks += shown.bricks();
         if run.block.is_none_or(|block| block.is_first) {
             statistics.sheets += plan.sheets();
-            statistics.zones += picture.zones();
+            statistics.zones += shown.zones();
         }
         statistics.tiles += order.len();
         for &tile in &*order {
@@ -134,15 +136,32 @@ pub(crate) trait Tiles: Sync {
         tile: (usize, &AtomicBool),
         canvas: &mut Canvas,
         scratch: &mut Vec<SheetScratch>,
-    ) -> SheetWork;
+    ) -> SheetWork
+    where
+        Self: Sized;
 }
 
 /// One mode's picture of one frame.
 #[derive(Debug)]
 pub(crate) struct Single<'a, M, const N: usize> {
-    pub frame: &'a ZonedFrame<'a>,
-    pub mode: &'a M,
+    frame: &'a ZonedFrame<'a>,
+    mode: &'a M,
 }
+
+impl<'a, M, const N: usize> Single<'a, M, N> {
+    /// A picture of a planned frame.
+    pub(crate) fn new(frame: &'a ZonedFrame<'a>, mode: &'a M) -> Self {
+        Self { frame, mode }
+    }
+}
+
+impl<M, const N: usize> Clone for Single<'_, M, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M, const N: usize> Copy for Single<'_, M, N> {}
 
 impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
     fn frame(&self) -> &ZonedFrame<'_> {
@@ -178,10 +197,25 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
 /// Two levels of one volume on the same planes, the first of which fades into the second.
 #[derive(Debug)]
 pub(crate) struct Both<'a, M, const N: usize> {
-    pub frames: &'a [ZonedFrame<'a>; 2],
-    pub modes: &'a [M; 2],
-    pub fade: Ramp,
+    frames: &'a [ZonedFrame<'a>; 2],
+    modes: &'a [M; 2],
+    fade: Ramp,
 }
+
+impl<'a, M, const N: usize> Both<'a, M, N> {
+    /// A picture of two planned frames.
+    pub(crate) fn new(frames: &'a [ZonedFrame<'a>; 2], modes: &'a [M; 2], fade: Ramp) -> Self {
+        Self { frames, modes, fade }
+    }
+}
+
+impl<M, const N: usize> Clone for Both<'_, M, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M, const N: usize> Copy for Both<'_, M, N> {}
 
 impl<M: Mode<N>, const N: usize> Tiles for Both<'_, M, N> {
     fn frame(&self) -> &ZonedFrame<'_> {
@@ -226,12 +260,12 @@ impl<M: Mode<N>, const N: usize> Tiles for Both<'_, M, N> {
 /// Renders all tiles; each thread takes the next tile when it is free.
 fn render_tiles(
     run: Run<'_>,
-    picture: &impl Tiles,
+    picture: &Picture<'_>,
     scratch: &[Mutex<Vec<SheetScratch>>],
     (tiles, slots, order): (&[Tile], &Slots, &[u32]),
 ) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let frame = picture.frame().plan;
+    let frame = picture.tiles().frame().plan;
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
         while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -245,15 +279,20 @@ fn render_tiles(
                 canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
             }
             canvas.continues = !run.pass.is_first;
-            *work = if run.task.wants(&rect) {
-                let work = dispatch!(run.level, simd => picture.render(simd, (index, run.task.stop), canvas, scratch));
+            *work = SheetWork::default();
+            if run.task.wants(&rect) {
+                run.instructions.sheets(TileWork {
+                    picture,
+                    tile: index,
+                    stop: run.task.stop,
+                    canvas: &mut *canvas,
+                    scratch: &mut *scratch,
+                    done: work,
+                });
                 if run.pass.is_last && !run.task.is_stopped() {
                     run.task.show(&rect, || canvas.colors(rect.x1 - rect.x0));
                 }
-                work
-            } else {
-                SheetWork::default()
-            };
+            }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             run.task.report(done as f64 / order.len() as f64);
         }

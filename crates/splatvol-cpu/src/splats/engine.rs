@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
-use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
 use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
@@ -14,16 +13,17 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Frame, Gaussians, ImageSize};
 
 use super::bin::{Bins, Counted};
-use super::blend::{Blend, CutGaussian, Integral, Light, Published};
-use super::composite::{self, Place, Scratch};
+use super::blend::{CutGaussian, Integral, Light, Published};
+use super::composite::{Place, Scratch};
 use super::cover::TILE;
 use super::kernels::LitKernels;
 use super::order::Keys;
-use super::project::{self, ProjectedSplat, Rect, Target};
-use super::resolve::{TileRows, fill, resolve, tile_rows};
+use super::project::{ProjectedSplat, Rect, Target};
+use super::resolve::{TileRows, fill, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
 use super::view::CloudView;
 use super::wanted::WantedTiles;
+use super::work::{AnyBlend, Composition, Content, Projection, SeenCloud, SplatWork};
 use crate::room::grow;
 use crate::run::Run;
 
@@ -65,38 +65,6 @@ impl Cloud<'_> {
             Near::World(near) => Some(sane(near)),
             Near::OfGaussians(near) => {
                 matches!(self, Self::Gaussians(..)).then(|| near_of_gaussians(near, &self.world_from_local()))
-            }
-        }
-    }
-}
-
-/// A cloud before a camera.
-struct SeenCloud<'a> {
-    view: CloudView,
-    content: Content<'a>,
-}
-
-enum Content<'a> {
-    Gaussians(&'a Gaussians),
-    Kernels(LitKernels<'a>),
-}
-
-impl SeenCloud<'_> {
-    /// Projects a range; returns the number of splats that are visible on wanted tiles.
-    fn project(
-        &self,
-        level: Level,
-        blend: impl Blend,
-        range: Range<usize>,
-        target: &mut Target<'_>,
-    ) -> usize {
-        let view = &self.view;
-        match &self.content {
-            Content::Gaussians(gaussians) => {
-                dispatch!(level, simd => project::project(simd, blend, (view, *gaussians), range, target))
-            }
-            Content::Kernels(kernels) => {
-                dispatch!(level, simd => project::project(simd, blend, (view, kernels), range, target))
             }
         }
     }
@@ -151,7 +119,7 @@ impl SplatEngine {
         pool.install(|| match settings.blend_mode {
             BlendMode::Published { background } => self.draw(
                 run,
-                Published::new(background),
+                AnyBlend::Published(Published::new(background)),
                 &drawn(None),
                 (frame, settings.size),
             ),
@@ -159,7 +127,7 @@ impl SplatEngine {
                 let profile = CutGaussian::new(cut);
                 self.draw(
                     run,
-                    Light::new(profile, termination),
+                    AnyBlend::Light(Light::new(profile, termination)),
                     &drawn(Some(profile)),
                     (frame, settings.size),
                 )
@@ -168,7 +136,7 @@ impl SplatEngine {
                 let profile = CutGaussian::new(cut);
                 self.draw(
                     run,
-                    Integral::new(profile),
+                    AnyBlend::Integral(Integral::new(profile)),
                     &drawn(Some(profile)),
                     (frame, settings.size),
                 )
@@ -178,10 +146,10 @@ impl SplatEngine {
     }
 
     /// Runs all stages; `None` if the picture is cancelled before the last.
-    fn draw<B: Blend>(
+    fn draw(
         &mut self,
         run: Run<'_>,
-        blend: B,
+        blend: AnyBlend,
         drawn: &Clouds<'_>,
         (frame, size): (&mut Frame, ImageSize),
     ) -> Option<StageSeconds> {
@@ -204,8 +172,15 @@ impl SplatEngine {
             if run.task.is_stopped() {
                 return first..first;
             }
-            let seen = &drawn.seen[chunk.cloud];
-            first..first + seen.project(run.level, blend, chunk.range.clone(), &mut chunk.target)
+            let mut visible = 0;
+            run.instructions.splats(SplatWork::Project(Projection {
+                blend,
+                cloud: &drawn.seen[chunk.cloud],
+                range: chunk.range.clone(),
+                target: &mut chunk.target,
+                visible: &mut visible,
+            }));
+            first..first + visible
         };
         let grid = TileGrid::new(size, TILE);
         let wanted = WantedTiles::new(&run.task, &grid);
@@ -242,16 +217,16 @@ impl SplatEngine {
 }
 
 /// The tiles of a frame.
-struct Tiling<'a, B> {
+struct Tiling<'a> {
     run: Run<'a>,
-    blend: B,
+    blend: AnyBlend,
     splats: &'a [ProjectedSplat],
     grid: TileGrid,
     wanted: &'a WantedTiles,
     done: AtomicUsize,
 }
 
-impl<B: Blend> Tiling<'_, B> {
+impl Tiling<'_> {
     /// Renders the splats of a list into a tile's rows, unless the tile is not wanted.
     fn render(&self, tile: usize, entries: &[AtomicU32], rows: &mut TileRows<'_>, scratch: &mut Scratch) {
         let Self { run, blend, grid, .. } = self;
@@ -268,10 +243,14 @@ impl<B: Blend> Tiling<'_, B> {
                     blocks: rows.blocks(),
                     stop: run.task.stop,
                 };
-                dispatch!(run.level, simd => {
-                    composite::composite(simd, *blend, self.splats, entries, place, scratch);
-                    resolve(simd, *blend, &scratch.blocks, rows);
-                });
+                run.instructions.splats(SplatWork::Composite(Composition {
+                    blend: *blend,
+                    splats: self.splats,
+                    entries,
+                    place,
+                    scratch,
+                    rows,
+                }));
             }
             if !run.task.is_stopped() {
                 run.task.show(&rect, || rows.colors());

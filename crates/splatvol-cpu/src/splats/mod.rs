@@ -21,6 +21,8 @@
 //! | composite | `composite`, `blend` | blocks of 16 pixels, SIMD over pixels; finished blocks are left out |
 //! | resolve | `resolve` | blocks to the frame |
 //!
+//! `work` has what is compiled for each instruction set: project, and composite with cover and resolve.
+//!
 //! # Colours
 //!
 //! Gaussians are trained so that *display* (sRGB-encoded) colours are composited; linear compositing would change
@@ -55,9 +57,11 @@ mod resolve;
 mod settings;
 mod view;
 mod wanted;
+mod work;
 
 pub(crate) use engine::{Cloud, SplatEngine};
 pub(crate) use settings::{BlendMode, CloudSettings, LowPass, Near};
+pub(crate) use work::SplatWork;
 
 #[cfg(test)]
 mod tests;

@@ -16,7 +16,7 @@ use crate::sheets::place::Place;
 use crate::sheets::plane::{Plane, Span};
 use crate::sheets::shade::{PlaneShader, ShadeTarget};
 use crate::sheets::shaded::{interval, show};
-use crate::sheets::splat::Payload;
+use crate::sheets::splat::{Payload, Scaled};
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 
 /// Least weight used as a divisor.
@@ -35,6 +35,8 @@ pub(crate) struct FieldMaterial<'a> {
 pub(crate) struct Weighted;
 
 impl Payload<2> for Weighted {
+    type Footprint = Scaled;
+
     #[inline(always)]
     fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 2] {
         let weight = weight * peak;

@@ -31,4 +31,4 @@ pub(crate) mod mode;
 pub(crate) mod open;
 pub(crate) mod plan;
 pub(crate) mod splat;
-mod values;
+pub(super) mod values;

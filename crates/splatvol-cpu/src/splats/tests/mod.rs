@@ -7,7 +7,7 @@ mod published;
 mod robust;
 mod shares;
 
-use fearless_simd::Level;
+use fearless_simd::{Level, dispatch};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use splatvol_core::engine::{Control, Task};
 use splatvol_core::splats::Splat;
@@ -16,7 +16,7 @@ use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Pr
 
 use super::{BlendMode, Cloud, CloudSettings, LowPass, Near, SplatEngine};
 use crate::config::SimdLevel;
-
+use crate::instructions::{InstructionSet, Part, Work};
 use crate::pool::Pool;
 use crate::run::{Pass, Run};
 
@@ -74,13 +74,24 @@ impl Renderer {
     ) {
         let run = Run {
             pool: &self.pool,
-            level: self.level,
+            instructions: InstructionSet {
+                level: self.level,
+                run,
+            },
             tile_edge: None,
             task: Task::new(control, &|_| {}),
             block: None,
             pass: Pass::WHOLE,
         };
         self.engine.render(run, clouds, view, frame);
+    }
+}
+
+/// The loops of this engine, for every instruction set.
+fn run(level: Level, work: Work<'_, '_>) {
+    match work.0 {
+        Part::Splats(splats) => dispatch!(level, simd => splats.run(simd)),
+        Part::Sheets(_) => unreachable!("this engine has no sheets"),
     }
 }
 
