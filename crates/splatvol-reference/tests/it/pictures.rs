@@ -1,5 +1,4 @@
 //! Rays through the reference against closed forms.
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_reference::{PixelResult, Reconstruction, Reference, ReferenceSettings, render, render_pixels};

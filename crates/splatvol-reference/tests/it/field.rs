@@ -1,5 +1,4 @@
 //! The reconstructed field against closed forms.
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{DMat3, DVec3};
 use splatvol_reference::{Reconstruction, ReferenceError};

@@ -1,7 +1,5 @@
 //! The field that coefficients stand for: against the analytic signal, trilinear interpolation and the reference.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use glam::DVec3;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;

@@ -1,5 +1,4 @@
 //! Footprints of splats in motion against f64 sums over the shutter.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use splatvol_core::splats::{
