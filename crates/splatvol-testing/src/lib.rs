@@ -12,6 +12,7 @@
 //! | [`picture`] | pictures as PNG files |
 //! | [`pieces`] | volumes in memory as sources of chunks, with faults |
 //! | [`chromium`] | a headless browser whose page says something, by WebGPU |
+//! | [`process`] | [`alone!`]: tests that measure their process run in one of their own |
 //! | [`server`] | a server of files, and what servers do wrong |
 //!
 //! A failing comparison leaves `expected | difference | actual` and its figures in `target/test-output`.
@@ -24,6 +25,7 @@ pub mod fields;
 pub mod method;
 pub mod picture;
 pub mod pieces;
+pub mod process;
 pub mod random;
 pub mod server;
 pub mod snapshot;
