@@ -27,29 +27,8 @@ mod targets;
 mod trial;
 
 // Generators of the readers' own tests.
-#[path = "../../crates/splatvol-io/tests/common/codecs.rs"]
-mod codecs;
-#[path = "../../crates/splatvol-io/tests/dicom/coded_files.rs"]
-mod coded_files;
-#[path = "../../crates/splatvol-io/tests/common/mod.rs"]
+#[path = "../../crates/splatvol-io/tests/it/common/mod.rs"]
 mod common;
-#[path = "../../crates/splatvol-io/tests/dicom/file.rs"]
-mod dicom_file;
-#[path = "../../crates/splatvol-io/tests/gaussians/files.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "a module of tests, used in part")]
-mod gaussian_files;
-#[path = "../../crates/splatvol-io/tests/nifti/file.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "a module of tests, used in part")]
-mod nifti_file;
-#[path = "../../crates/splatvol-io/tests/common/small_meshes.rs"]
-mod small_meshes;
-#[path = "../../crates/splatvol-io/tests/common/small_points.rs"]
-mod small_points;
-#[path = "../../crates/splatvol-io/tests/common/small_volumes.rs"]
-mod small_volumes;
-#[path = "../../crates/splatvol-io/tests/vti/file.rs"]
-#[allow(dead_code, clippy::unwrap_used, reason = "a module of tests, used in part")]
-mod vti_file;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -3,7 +3,7 @@
 use splatvol_io::write_gaussians;
 
 use super::written;
-use crate::gaussian_files::{cloud, compressed_ply, extension, gltf, gunzip, sog_files, spz_4, zip};
+use crate::common::gaussian_files::{cloud, compressed_ply, extension, gltf, gunzip, sog_files, spz_4, zip};
 use crate::input::Input;
 
 fn of_writer(name: &str, degree: u32) -> Input {

@@ -1,8 +1,8 @@
 //! Meshes: legacy VTK, VTK XML and PLOT3D.
 
 use super::ending;
+use crate::common::small_meshes;
 use crate::input::Input;
-use crate::small_meshes;
 
 pub(crate) fn legacy() -> Vec<Input> {
     ending(small_meshes::files(), &[".vtk"])

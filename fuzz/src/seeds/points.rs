@@ -3,8 +3,8 @@
 use std::io::Cursor;
 
 use super::ending;
+use crate::common::{small_meshes, small_points};
 use crate::input::Input;
-use crate::{small_meshes, small_points};
 
 fn of_name(ends: &[&str]) -> Vec<Input> {
     ending(small_points::files(), ends)

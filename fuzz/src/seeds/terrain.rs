@@ -1,8 +1,8 @@
 //! Terrain, and frames of depth cameras.
 
 use super::ending;
+use crate::common::small_points;
 use crate::input::Input;
-use crate::small_points;
 
 pub(crate) fn heights() -> Vec<Input> {
     let mut seeds = ending(small_points::files(), &[".heights"]);

@@ -6,9 +6,9 @@ use splatvol::{Grid, LengthUnit, Rescale, Samples, Volume};
 use splatvol_io::{WriteOptions, write_volume};
 
 use super::{ending, written};
-use crate::dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
+use crate::common::dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
+use crate::common::{codecs, coded_files, small_volumes, vti_file};
 use crate::input::Input;
-use crate::{codecs, coded_files, small_volumes, vti_file};
 
 fn of_name(ends: &[&str]) -> Vec<Input> {
     ending(small_volumes::files(), ends)
@@ -90,7 +90,7 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
 
 pub(crate) fn nifti() -> Vec<Input> {
     let mut seeds = of_name(&[".nii", ".nii.gz"]);
-    let mut pair = crate::nifti_file::NiftiFile::new(&[3, 2, 4], 4);
+    let mut pair = crate::common::nifti_file::NiftiFile::new(&[3, 2, 4], 4);
     pair.single = false;
     let samples: Vec<u8> = (0..48).collect();
     let header = pair.bytes(&[]);
@@ -137,7 +137,7 @@ pub(crate) fn legacy_vtk() -> Vec<Input> {
 pub(crate) fn npy() -> Vec<Input> {
     let array = of_writer("a.npy", false);
     let member = |name: &str| (name.to_owned(), array.files[0].1.clone());
-    let archive = crate::gaussian_files::zip(&[member("first.npy"), member("second.npy")]);
+    let archive = crate::common::gaussian_files::zip(&[member("first.npy"), member("second.npy")]);
     let mut seeds = of_name(&[".npy"]);
     seeds.extend([array.clone(), Input::file("a.npz", archive)]);
     seeds

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::coat::crc32c;
-use crate::codecs;
+use crate::common::codecs;
 use crate::common::gzip;
 use crate::input::Input;
 

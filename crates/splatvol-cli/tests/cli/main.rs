@@ -13,7 +13,7 @@ mod kernels;
 #[cfg(feature = "lab")]
 mod lab;
 mod motion;
-#[path = "../../../splatvol-io/tests/nifti/file.rs"]
+#[path = "../../../splatvol-io/tests/it/common/nifti_file.rs"]
 #[allow(dead_code, reason = "a module of tests, used in part")]
 mod nifti_file;
 mod opened;

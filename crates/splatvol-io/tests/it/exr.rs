@@ -1,5 +1,4 @@
 //! EXR: floats, depth and metadata come back bit for bit, and nothing malformed passes.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::Path;
 

@@ -1,14 +1,10 @@
 //! Files that lie or are absurd: an error that names the field, or the data, in time that grows as the file does.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-#[path = "dicom/file.rs"]
-mod file;
 
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use file::{DicomFile, EXPLICIT, element};
+use crate::common::dicom_file::{DicomFile, EXPLICIT, element};
 use splatvol_io::{Data, DataOptions, IoError, Loaded, LoadedMesh, LoadedPoints, ReadOptions};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {

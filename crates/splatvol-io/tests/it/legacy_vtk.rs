@@ -1,11 +1,8 @@
 //! Legacy VTK structured points: real files, both codings, every type, other attributes, and malformed files.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Expected, assert_expected, flips, load, read_bytes, shared_volumes, truncations};
+use crate::common::{Expected, assert_expected, flips, load, read_bytes, shared_volumes, truncations};
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
 use splatvol_scene::Samples;

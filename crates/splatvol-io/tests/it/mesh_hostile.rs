@@ -1,14 +1,10 @@
 //! Meshes of every format that are cut, contradict themselves, or are absurd: refused by name or read, in little memory.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
-#[path = "common/small_meshes.rs"]
-mod small_meshes;
 
 use std::path::Path;
 
-use common::{check_memory, generous};
+use crate::common::{check_memory, generous, small_meshes};
 use splatvol_io::{Data, DataOptions, IoError, ReadOptions, read_data, read_mesh, read_volume};
+use splatvol_testing::alone;
 
 /// Memory of all tests at their worst moment.
 const MEMORY: u64 = 96 << 20;
@@ -67,6 +63,7 @@ fn counts(data: &Data) -> [usize; 2] {
 
 #[test]
 fn small_meshes_are_read_and_cut_ones_are_refused_or_no_larger() {
+    alone!();
     for (name, bytes) in small_meshes::files() {
         let whole = counts(&read(name, &bytes).unwrap_or_else(|error| panic!("{error}")));
         let mut refused = 0;
@@ -126,6 +123,7 @@ fn cut_grids_and_solutions_are_refused_or_read_with_a_warning() {
 
 #[test]
 fn counts_that_no_file_holds_are_refused_for_nothing() {
+    alone!();
     for count in ["999999999", "999999999999", "18446744073709551615", "-1", "a"] {
         for (name, from) in [
             ("cells.vtk", "POINTS 8"),
@@ -234,6 +232,7 @@ fn meshes_without_cells_are_refused_by_name() {
 /// One point far from the others: as many cells as before, and no more discs than small files may become.
 #[test]
 fn a_point_far_away_costs_no_memory() {
+    alone!();
     for far in ["1e9", "-1e30", "1e-30"] {
         for (name, from, to) in [
             ("cells.vtk", "float\n0 0 0 ", "float\n0 FAR 0 "),

@@ -1,11 +1,8 @@
 //! MetaImage: real files, layouts, geometry, malformed input.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::io::Write;
 
-use common::{Expected, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations};
+use crate::common::{Expected, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations};
 use glam::{DAffine3, DVec3};
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
 use splatvol_scene::{LengthUnit, Samples};

@@ -1,21 +1,13 @@
 //! Every reader against seeded mutations of small files, and against headers that promise gigabytes: any answer will
 //! do that comes in time, without a panic and without using that memory.
 //!
-//! `SPLATVOL_MUTATIONS=100000 cargo test -p splatvol-io --test mutations` goes on for longer.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
+//! `SPLATVOL_MUTATIONS=100000 cargo test -p splatvol-io mutat` goes on for longer.
 
-mod common;
-#[path = "dicom/file.rs"]
-mod dicom_file;
-#[path = "nifti/file.rs"]
-mod nifti_file;
-#[path = "common/small_volumes.rs"]
-mod small_volumes;
-
-use common::{Random, check_memory, gzip, read_bytes};
+use crate::common::nifti_file::NiftiFile;
+use crate::common::{Random, check_memory, gzip, load, read_bytes, small_volumes};
 use glam::DVec3;
-use nifti_file::NiftiFile;
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
+use splatvol_testing::alone;
 
 /// Memory that all malformed files together may take at their worst moment.
 const MEMORY: u64 = 96 << 20;
@@ -75,6 +67,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
 
 #[test]
 fn mutated_files_are_answered_in_time() {
+    alone!();
     let rounds = std::env::var("SPLATVOL_MUTATIONS")
         .ok()
         .and_then(|rounds| rounds.parse().ok())
@@ -101,6 +94,7 @@ fn mutated_files_are_answered_in_time() {
 
 #[test]
 fn promises_of_gigabytes_cost_nothing() {
+    alone!();
     let folder = tempfile::tempdir().unwrap();
     let sizes = ["2000 2000 4000", "65535 65535 65535"];
     for size in sizes {
@@ -141,7 +135,7 @@ fn a_volume_of_one_sample_survives_every_format_that_is_written() {
     for name in ["a.nrrd", "a.npy"] {
         let path = folder.path().join(name);
         splatvol_io::write_volume(&path, &volume, &splatvol_io::WriteOptions::default()).unwrap();
-        assert_eq!(common::load(&path).volume.samples(), volume.samples());
+        assert_eq!(load(&path).volume.samples(), volume.samples());
     }
     let unknown = folder.path().join("a.dcm");
     assert!(splatvol_io::write_volume(&unknown, &volume, &splatvol_io::WriteOptions::default()).is_err());

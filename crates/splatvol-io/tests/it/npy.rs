@@ -1,12 +1,9 @@
 //! Arrays and archives of numpy: a real file, every type, both orders, round trips, and malformed files.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-use common::{Expected, assert_expected, flips, load, read_bytes, shared_volumes, truncations};
+use crate::common::{Expected, assert_expected, flips, load, read_bytes, shared_volumes, truncations};
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, WriteOptions, read_volume, write_volume};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};

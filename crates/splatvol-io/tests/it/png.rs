@@ -1,5 +1,4 @@
 //! PNG: round trips are exact, and malformed files are refused.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::io::Cursor;
 use std::path::Path;

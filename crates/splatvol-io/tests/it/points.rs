@@ -1,5 +1,4 @@
 //! Readers of points against known figures of real files, and against small files made here.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::Path;
 

@@ -1,22 +1,16 @@
 //! Every reader of points against truncated and mutated files, and headers with false claims: any result is accepted
 //! if it comes within a second, without a panic and without excessive memory.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
-#[path = "common/small_las.rs"]
-mod small_las;
-#[path = "common/small_points.rs"]
-mod small_points;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::{Random, check_memory};
+use crate::common::{Random, check_memory, small_las, small_points};
 use splatvol_io::{
     DepthImageOptions, HeightFieldOptions, IoError, LoadedPoints, ReadOptions, read_depth_images,
     read_height_field, read_points,
 };
 use splatvol_recorded::recorded;
+use splatvol_testing::alone;
 
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Memory of the whole test at its worst moment.
@@ -87,6 +81,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random, head: usize) {
 
 #[test]
 fn cut_and_mutated_files_are_answered_in_time() {
+    alone!();
     let rounds = std::env::var("SPLATVOL_MUTATIONS")
         .ok()
         .and_then(|n| n.parse().ok())

@@ -1,5 +1,4 @@
 //! OME-Zarr with levels of detail: what is written comes back, whatever the threads, and however often it was stopped.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,11 +1,8 @@
 //! Headerless raw: real files, layouts given and guessed, sizes that do not match.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Expected, assert_expected, gzip, load, read_bytes, shared_volumes, truncations};
+use crate::common::{Expected, assert_expected, gzip, load, read_bytes, shared_volumes, truncations};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use splatvol_io::{Endian, IoError, Loaded, RawLayout, ReadOptions, SampleType, read_volume};

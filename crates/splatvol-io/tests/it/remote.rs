@@ -1,12 +1,8 @@
 //! Zarr at addresses: servers that are slow, busy, broken or foreign. The samples are those of the folder, or an error names the chunk.
-#![cfg(feature = "remote")]
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::images::{chunks, image};
+use crate::common::images::{chunks, image};
 use splatvol_io::{OmeVersion, Opened, ReadOptions, open_volume, state_of_files};
 use splatvol_scene::chunks::{Budget, CachedSource};
 use splatvol_scene::{ChunkBuffer, ChunkSource, Samples, VoxelBox};

@@ -1,17 +1,7 @@
 //! TIFF, OME-Zarr, MGH and SLC: the shared data against what tifffile, zarr-python, nibabel and VTK read from
 //! them.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-mod common;
-#[path = "dicom/file.rs"]
-mod dicom_file;
-#[path = "nifti/file.rs"]
-#[allow(dead_code, reason = "a module of tests, used in part")]
-mod nifti_file;
-#[path = "common/small_volumes.rs"]
-mod small_volumes;
-
-use common::{Expected, assert_expected, load, shared_volumes};
+use crate::common::{Expected, assert_expected, load, shared_volumes, small_volumes};
 use splatvol_io::{ReadOptions, axis_codes, read_volume};
 use splatvol_scene::Samples;
 

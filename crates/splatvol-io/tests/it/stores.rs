@@ -1,14 +1,11 @@
 //! Zarr in stores of keys, and behind servers that are slow, busy or broken: the samples of the same folder, or an error that
 //! names the chunk.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::images::{chunks, image};
+use crate::common::images::{chunks, image};
 use splatvol_io::{
     ByteRange, KeyStore, OmeVersion, Opened, ReadOptions, open_volume, open_volume_in, too_many_bytes,
 };

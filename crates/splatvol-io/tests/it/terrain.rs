@@ -1,5 +1,4 @@
 //! Terrain and frames of depth cameras: real files against known figures, generated ones against their equations.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::{Path, PathBuf};
 

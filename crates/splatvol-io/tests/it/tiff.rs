@@ -1,13 +1,10 @@
 //! TIFF files that the encoder of the same crate writes, and folders of slices.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::io::Cursor;
 use std::path::Path;
 
-use common::load;
-use common::slices::assert_opens;
+use crate::common::slices::assert_opens;
+use crate::common::{flips, load, truncations};
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};
 use splatvol_scene::{ChunkBuffer, LengthUnit, Samples};
@@ -211,8 +208,8 @@ fn a_folder_of_slices_is_in_the_order_of_its_numbers() {
 #[test]
 fn cut_files_are_refused() {
     let bytes = pages(2, None, Compression::Lzw);
-    common::truncations("cut.tif", &bytes, 64);
-    common::flips("changed.tif", &bytes, bytes.len());
+    truncations("cut.tif", &bytes, 64);
+    flips("changed.tif", &bytes, bytes.len());
 }
 
 /// A page of 3 x 2 words in one strip.

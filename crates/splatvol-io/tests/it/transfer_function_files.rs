@@ -1,5 +1,4 @@
 //! Transfer functions of other programs: supported features, warnings, and refusals.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::Path;
 

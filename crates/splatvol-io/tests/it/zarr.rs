@@ -1,11 +1,8 @@
 //! OME-Zarr folders written here: versions 2 and 3, orders, shards, levels, channels, times.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Random, gzip};
+use crate::common::{Random, gzip};
 use glam::DVec3;
 use serde_json::{Value, json};
 use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};

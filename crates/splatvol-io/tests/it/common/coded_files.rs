@@ -1,8 +1,8 @@
 //! DICOM files of one frame in each compression that is read, other than run lengths.
 #![allow(unreachable_pub, dead_code, reason = "a module of tests, used in part")]
 
-use crate::codecs;
-use crate::dicom_file::DicomFile;
+use super::codecs;
+use super::dicom_file::DicomFile;
 
 /// A compressed frame.
 pub struct Coded {

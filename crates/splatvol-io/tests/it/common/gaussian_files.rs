@@ -8,7 +8,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use splatvol_io::{IoError, LoadedGaussians, ReadOptions, read_gaussians, write_gaussians};
 use splatvol_scene::{GaussianAttributes, Gaussians};
 
-use crate::common::Random;
+use super::Random;
 
 /// RDF, the frame of `.ply` and `.splat`.
 pub(crate) fn rdf() -> DAffine3 {

@@ -6,8 +6,18 @@
     reason = "every test file uses its own part of these; panics are how tests fail"
 )]
 
+pub mod codecs;
+pub mod coded_files;
+pub mod dicom_file;
+pub mod gaussian_files;
 pub mod images;
+pub mod nifti_file;
 pub mod slices;
+pub mod small_las;
+pub mod small_meshes;
+pub mod small_points;
+pub mod small_volumes;
+pub mod vti_file;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -89,7 +99,7 @@ pub fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<Loaded, IoE
     result
 }
 
-/// Fails if this process has taken more than so many bytes at its worst moment, which Linux notes.
+/// Fails if this process has taken more than so many bytes at its worst moment, which Linux notes. Such tests begin with `alone!`.
 pub fn check_memory(most: u64) {
     let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
         skip("no /proc to read the memory from");

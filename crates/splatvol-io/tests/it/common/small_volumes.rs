@@ -7,9 +7,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::common::gzip;
-use crate::dicom_file;
-use crate::nifti_file::NiftiFile;
+use super::dicom_file;
+use super::gzip;
+use super::nifti_file::NiftiFile;
 
 /// One file each; all have at most 24 samples.
 pub fn files() -> Vec<(&'static str, Vec<u8>)> {

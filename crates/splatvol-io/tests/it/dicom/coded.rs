@@ -3,8 +3,8 @@
 use splatvol_io::ReadOptions;
 use splatvol_scene::Samples;
 
-use super::coded_files::{COLORS, Coded, FRAMES};
-use super::common::{Random, read_bytes, shared_volumes};
+use crate::common::coded_files::{COLORS, Coded, FRAMES};
+use crate::common::{Random, read_bytes, shared_volumes};
 
 /// The samples of a channel as words; `None` reads grey values.
 fn decoded(coded: &Coded, channel: Option<usize>) -> Vec<u16> {

@@ -3,8 +3,8 @@
 use splatvol_io::ReadOptions;
 use splatvol_scene::Samples;
 
-use super::dicom_file::{BIG, DicomFile, EXPLICIT, element, items};
 use super::{one, one_with};
+use crate::common::dicom_file::{BIG, DicomFile, EXPLICIT, element, items};
 
 /// Red, green and blue of 3 x 2 pixels.
 const RGB: [[u8; 3]; 6] = [

@@ -3,10 +3,10 @@
 use splatvol_io::{IoError, ReadOptions, read_volume};
 use splatvol_scene::Samples;
 
-use super::common;
-use super::common::slices::assert_opens;
-use super::dicom_file::{BIG, DicomFile, EXPLICIT};
 use super::run_length;
+use crate::common;
+use crate::common::dicom_file::{BIG, DicomFile, EXPLICIT};
+use crate::common::slices::assert_opens;
 
 /// Odd, so that frames of bytes begin and end within words.
 const SIZE: [u16; 2] = [151, 133];

@@ -1,15 +1,7 @@
 //! DICOM: the series of the shared data against what pydicom reads from them.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-#[path = "../common/codecs.rs"]
-mod codecs;
 mod coded;
-mod coded_files;
 mod colors;
-#[path = "../common/mod.rs"]
-mod common;
-#[path = "file.rs"]
-mod dicom_file;
 mod large;
 mod run_length;
 mod uneven;
@@ -17,9 +9,9 @@ mod uneven;
 use std::io::Write;
 use std::path::Path;
 
-use common::slices::assert_opens;
-use common::{Expected, assert_expected, load, shared_volumes};
-use dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
+use crate::common::dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
+use crate::common::slices::assert_opens;
+use crate::common::{self, Expected, assert_expected, load, shared_volumes};
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
 use splatvol_scene::{LengthUnit, Samples};

@@ -2,8 +2,9 @@
 
 use splatvol_scene::Samples;
 
-use super::dicom_file::{DicomFile, EXPLICIT};
-use super::{common, one};
+use super::one;
+use crate::common;
+use crate::common::dicom_file::{DicomFile, EXPLICIT};
 
 const SIZE: [usize; 2] = [19, 7];
 

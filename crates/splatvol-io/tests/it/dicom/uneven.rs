@@ -6,7 +6,7 @@ use splatvol_io::{ReadOptions, read_volume};
 use splatvol_scene::volume::widen;
 use splatvol_scene::with_samples;
 
-use super::dicom_file::{DicomFile, EXPLICIT};
+use crate::common::dicom_file::{DicomFile, EXPLICIT};
 
 /// Runs of slices: their distance along the table, millimetres, and their number.
 const RUNS: [(f64, usize); 3] = [(1.08, 24), (4.0, 8), (7.0, 6)];

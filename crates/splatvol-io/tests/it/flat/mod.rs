@@ -1,5 +1,4 @@
 //! Samples that lie uncompressed in one file, read box by box: those of the same file in memory.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod cases;
 mod packed;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use splatvol_io::ReadOptions;
 
-use crate::cases::{Case, DIMS, bytes, cases, mgh, write};
+use super::cases::{Case, DIMS, bytes, cases, mgh, write};
 
 pub(crate) fn packed(bytes: &[u8], zlib: bool) -> Vec<u8> {
     use flate2::Compression;

@@ -4,9 +4,11 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use splatvol_io::{ReadOptions, is_gaussians, read_gaussians, write_gaussians};
 use splatvol_scene::Gaussians;
 
+use super::harmonics::{differences, in_world};
+use crate::common::gaussian_files::{
+    cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip,
+};
 use crate::common::gzip;
-use crate::files::{cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip};
-use crate::harmonics::{differences, in_world};
 
 /// Largest differences that writing and reading may make: means, opacities, colours, covariances.
 fn assert_round_trip(gaussians: &Gaussians, name: &str, tolerances: [f64; 4]) {

@@ -2,8 +2,11 @@
 
 use std::time::{Duration, Instant};
 
+use crate::common::gaussian_files::{
+    cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip,
+};
 use crate::common::{Random, check_memory, gzip};
-use crate::files::{cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip};
+use splatvol_testing::alone;
 
 /// A reader must finish with a small malformed file within this time, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -144,6 +147,7 @@ fn cut_files_are_refused() {
 
 #[test]
 fn changed_files_are_answered_in_time() {
+    alone!();
     let rounds = std::env::var("SPLATVOL_MUTATIONS")
         .ok()
         .and_then(|rounds| rounds.parse().ok())
@@ -181,6 +185,7 @@ fn changed_files_are_answered_in_time() {
 
 #[test]
 fn promises_of_gigabytes_cost_nothing() {
+    alone!();
     let folder = tempfile::tempdir().unwrap();
     let billion = 4_000_000_000u32.to_le_bytes();
     for (name, mut bytes) in files() {

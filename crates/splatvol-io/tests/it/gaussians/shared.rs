@@ -7,7 +7,7 @@ use splatvol_io::{LoadedGaussians, ReadOptions, is_gaussians, read_gaussians, wr
 use splatvol_recorded::recorded;
 use splatvol_scene::Gaussians;
 
-use crate::harmonics::{differences, in_world};
+use super::harmonics::{differences, in_world};
 
 fn folder() -> Option<PathBuf> {
     recorded("gaussians")

@@ -1,5 +1,4 @@
 //! PLOT3D as text, and of two dimensions, written here.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! Surfaces of VTK: flat cells of unstructured grids, and colours by values.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::Path;
 

@@ -1,15 +1,11 @@
 //! NIfTI: real files, all 48 orientations, header variants, malformed input.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-#[path = "../common/mod.rs"]
-mod common;
-mod file;
 mod malformed;
 
 use std::path::Path;
 
-use common::{Expected, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations};
-use file::NiftiFile;
+use crate::common::nifti_file::NiftiFile;
+use crate::common::{Expected, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations};
 use glam::{DMat3, DQuat, DVec3};
 use splatvol_io::{IoError, Loaded, ReadOptions, axis_codes, read_volume};
 use splatvol_scene::{LengthUnit, Rescale, Samples};

@@ -1,13 +1,12 @@
 //! NRRD: real files, every encoding and layout, geometry, round trips, malformed input.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-#[path = "../common/mod.rs"]
-mod common;
 mod malformed;
 
 use std::path::Path;
 
-use common::{Expected, Random, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations};
+use crate::common::{
+    Expected, Random, assert_expected, flips, gzip, load, read_bytes, shared_volumes, truncations,
+};
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_io::{IoError, Loaded, ReadOptions, WriteOptions, read_volume, write_volume};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};

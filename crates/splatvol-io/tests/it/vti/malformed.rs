@@ -1,7 +1,7 @@
 //! Files that must be refused, quickly and with the field named.
 
-use super::common::{flips, read_bytes, truncations};
-use super::file::{File, Style, file};
+use crate::common::vti_file::{File, Style, file};
+use crate::common::{flips, read_bytes, truncations};
 
 /// A plain file with `from` replaced.
 fn changed(from: &str, to: &str) -> Vec<u8> {

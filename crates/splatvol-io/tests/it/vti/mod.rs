@@ -1,17 +1,13 @@
 //! VTK XML image data: real files, every coding, geometry, choice of arrays, and malformed files.
-#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-#[path = "../common/mod.rs"]
-mod common;
-mod file;
 mod malformed;
 
 use std::path::Path;
 
+use crate::common::vti_file::{File, IMAGE, Style, file, values};
+use crate::common::{Expected, assert_expected, load, read_bytes, shared_volumes};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use common::{Expected, assert_expected, load, read_bytes, shared_volumes};
-use file::{File, IMAGE, Style, file, values};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
