@@ -1,0 +1,323 @@
+//! FastSplats: rasterisers with tables, other kernels, the range of interest, and occlusion.
+
+use glam::{DMat3, DVec3};
+use splatvol::{
+    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FlatSettings,
+    Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings, Renderer, Samples,
+    Scene, SheetContent, TableLayout, TablePrecision, Volume,
+};
+use splatvol_samples::Sample;
+use splatvol_testing::{Comparison, checked};
+
+use crate::common::{self, PROJECTIONS};
+use crate::fast::support::{bits, framing, generated, noise, opaque, translucent};
+
+const ALL: [Rasterizer; 5] = [
+    Rasterizer::Linear1d,
+    Rasterizer::Square1d,
+    Rasterizer::Ellipse1d,
+    Rasterizer::Rlut { subpixels: 100 },
+    Rasterizer::Blit2d { subpixels: 4 },
+];
+
+/// The preset, into tables that leave next to no error.
+fn fine(pixels: u32) -> RenderSettings {
+    checked(FlatSettings {
+        size: ImageSize::new(pixels, pixels).unwrap(),
+        table: TableLayout {
+            entries: 1024,
+            precision: TablePrecision::F32,
+            sections: 128,
+        },
+        ..RenderSettings::fastsplats2000().into()
+    })
+}
+
+fn psnr(a: &Frame, b: &Frame) -> f64 {
+    Comparison::of(&a.image, &b.image).psnr
+}
+
+#[test]
+fn pictures_from_tables_are_those_without() {
+    let scene = generated(Sample::Head, 48);
+    for projection in PROJECTIONS {
+        let camera = framing(&scene, projection, 1.0, 1.0);
+        let post = checked(FlatSettings {
+            classification: Classification::Post,
+            ..fine(128).into()
+        });
+        let whole = checked(FlatSettings {
+            compositing: Compositing::AxisSheets,
+            sheet: None,
+            ..fine(128).into()
+        });
+        for (name, base) in [("pre", fine(128)), ("post", post), ("whole", whole)] {
+            let auto = checked(FlatSettings {
+                rasterizer: Rasterizer::Auto,
+                ..base.into()
+            });
+            let evaluated = common::render(&scene, &camera, &auto);
+            for rasterizer in ALL {
+                let found = psnr(
+                    &common::render(
+                        &scene,
+                        &camera,
+                        &checked(FlatSettings {
+                            rasterizer,
+                            ..base.into()
+                        }),
+                    ),
+                    &evaluated,
+                );
+                println!("{name} {rasterizer:?}: {found:.1} dB");
+                let floor = match rasterizer {
+                    Rasterizer::Blit2d { .. } => 25.0,
+                    _ => 38.0,
+                };
+                assert!(found > floor, "{name} {rasterizer:?} {projection:?}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_rasterizer_is_the_same_for_any_number_of_threads() {
+    let scene = generated(Sample::Head, 32);
+    let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.4);
+    for rasterizer in ALL {
+        let settings = checked(FlatSettings {
+            rasterizer,
+            occlusion: Occlusion::Auto,
+            ..fine(150).into()
+        });
+        let frame = |threads| {
+            let config = EngineConfig {
+                threads: Some(threads),
+                ..EngineConfig::default()
+            };
+            let mut renderer = Renderer::new(config).unwrap();
+            renderer.render(&scene, &camera, &settings).unwrap()
+        };
+        let first = frame(1);
+        assert!(bits(&first) == bits(&frame(3)), "{rasterizer:?}");
+        // The summed-area table makes the picture one tile: footprints do not depend on where tiles end.
+        let one_tile = checked(FlatSettings {
+            occlusion: Occlusion::Sat,
+            termination: 0.0,
+            ..settings.into()
+        });
+        let many = checked(FlatSettings {
+            occlusion: Occlusion::None,
+            ..one_tile.into()
+        });
+        let [one, many] = [one_tile, many].map(|settings| common::render(&scene, &camera, &settings));
+        assert!(bits(&one) == bits(&many), "{rasterizer:?}");
+    }
+}
+
+#[test]
+fn footprints_that_are_no_circles_are_refused_with_what_to_use() {
+    let refusal = |scene: &Scene, projection, settings: RenderSettings| {
+        let camera = framing(scene, projection, 1.0, 1.0);
+        let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+        renderer
+            .render(scene, &camera, &settings)
+            .map(|_| ())
+            .map_err(|e| e.to_string())
+    };
+    let (oblong, cubes) = (noise(), generated(Sample::Head, 16));
+    for projection in PROJECTIONS {
+        for rasterizer in ALL {
+            let settings = checked(FlatSettings {
+                rasterizer,
+                ..fine(32).into()
+            });
+            let any = matches!(rasterizer, Rasterizer::Linear1d | Rasterizer::Ellipse1d);
+            assert_eq!(refusal(&cubes, projection, settings), Ok(()));
+            match refusal(&oblong, projection, settings) {
+                Ok(()) => assert!(any, "{rasterizer:?}"),
+                Err(text) => assert!(
+                    !any && text.contains("ellipse-1d") && text.contains("voxels are not cubes"),
+                    "{text}"
+                ),
+            }
+            let affine = checked(FlatSettings {
+                alignment: Alignment::Affine,
+                ..settings.into()
+            });
+            let perspective = matches!(projection, Projection::Perspective { .. });
+            assert_eq!(refusal(&cubes, projection, affine).is_ok(), any || !perspective);
+            let exact = checked(FlatSettings {
+                alignment: Alignment::Exact,
+                ..settings.into()
+            });
+            assert_eq!(refusal(&cubes, projection, exact).is_ok(), !perspective);
+        }
+    }
+}
+
+/// A block of ones: 40 voxels deep along the ray.
+fn block() -> Scene {
+    let grid = Grid::new([30, 30, 40], DVec3::ZERO, DVec3::ONE, DMat3::IDENTITY).unwrap();
+    // One voxel elsewhere keeps the range of values open.
+    let mut values = vec![1.0_f32; 30 * 30 * 40];
+    values[0] = 0.0;
+    Scene::new(
+        Volume::new(
+            grid,
+            Samples::F32(values.into()),
+            splatvol::Rescale::default(),
+            splatvol::LengthUnit::default(),
+        )
+        .unwrap(),
+        translucent(),
+    )
+}
+
+/// The kernels' ripple is 1.1 % at most, and a line through all of the block averages it.
+#[test]
+fn an_x_ray_through_a_constant_field_is_right_for_each_kernel() {
+    let scene = block();
+    let camera = common::orthographic(DVec3::new(14.6, 14.8, 20.0), DVec3::Z, 6.0);
+    let kernels = [
+        Kernel::default(),
+        Kernel::Gaussian {
+            sigma: 0.602,
+            radius: 2.0,
+        },
+        Kernel::CrawfisMax,
+        Kernel::CubicBspline,
+        Kernel::KAISER_BESSEL,
+    ];
+    let depth = |kernel, rasterizer| {
+        let settings = checked(FlatSettings {
+            compositing: Compositing::Xray,
+            occlusion: Occlusion::Auto,
+            absorption: Absorption::Exp,
+            sheet: None,
+            kernel,
+            rasterizer,
+            ..fine(48).into()
+        });
+        let frame = common::render(&scene, &camera, &settings);
+        let sum: f64 = frame.optical_depth.iter().copied().map(f64::from).sum();
+        let (least, most) = frame
+            .optical_depth
+            .iter()
+            .fold((f32::MAX, f32::MIN), |(a, b), &t| (a.min(t), b.max(t)));
+        (sum / frame.optical_depth.len() as f64, f64::from(most - least))
+    };
+    // Opacity 0.6 per unit distance, 40 voxels.
+    let exact = 40.0 * -(1.0 - 0.6_f64).ln();
+    for kernel in kernels {
+        for rasterizer in [Rasterizer::Auto, Rasterizer::Linear1d, Rasterizer::Square1d] {
+            let (mean, range) = depth(kernel, rasterizer);
+            println!(
+                "{} {rasterizer:?}: {:.4}, range {:.4} of the exact depth",
+                kernel.name(),
+                mean / exact,
+                range / exact
+            );
+            assert!(
+                (mean / exact - 1.0).abs() < 4e-3,
+                "{kernel:?} {rasterizer:?}: {mean} {exact}"
+            );
+            assert!(range / exact < 0.025, "{kernel:?} {rasterizer:?}: {range}");
+        }
+    }
+}
+
+#[test]
+fn only_the_range_of_interest_has_splats() {
+    let scene = generated(Sample::Head, 32);
+    let camera = framing(&scene, PROJECTIONS[1], 1.0, 1.0);
+    let [low, high] = scene.single_volume().unwrap().volume.value_range();
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    let mut drawn = |extraction| {
+        let settings = checked(FlatSettings {
+            extraction,
+            compositing: Compositing::PerSplatBackToFront,
+            occlusion: Occlusion::None,
+            sheet: None,
+            filter: Filter::None,
+            ..fine(64).into()
+        });
+        let frame = renderer.render(&scene, &camera, &settings).unwrap();
+        (frame, renderer.statistics().voxels)
+    };
+    let range = |density, gradient| Some(Extraction { density, gradient });
+    let (all, count) = drawn(None);
+    let (same, same_count) = drawn(range(Some([low, high]), 0.0));
+    assert!(bits(&all) == bits(&same) && count == same_count && count > 0);
+    let middle = 0.5 * (low + high);
+    let below = drawn(range(Some([low, middle]), 0.0)).1;
+    let above = drawn(range(Some([middle + 1e-6 * (high - low), high]), 0.0)).1;
+    println!("{count} splats: {below} below the middle, {above} above");
+    // A splat in two tiles counts twice, in all three alike.
+    assert!(
+        below + above == count && below > 0 && above > 0,
+        "{below} {above} {count}"
+    );
+    let [gentle, steep, none] = [0.02, 0.2, 900.0].map(|gradient| drawn(range(None, gradient)).1);
+    println!("gradient 0.02: {gentle}, 0.2: {steep}");
+    assert!(
+        count > gentle && gentle > steep && steep > 0 && none == 0,
+        "{gentle} {steep} {none}"
+    );
+}
+
+/// huang2000 section 4.1: on opaque data the table hides most splats.
+#[test]
+fn the_summed_area_table_hides_most_of_an_opaque_head() {
+    let scene = opaque(&generated(Sample::Head, 96));
+    let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    let mut render = |occlusion| {
+        let settings = checked(FlatSettings {
+            occlusion,
+            ..fine(192).into()
+        });
+        let frame = renderer.render(&scene, &camera, &settings).unwrap();
+        (frame, renderer.statistics().clone())
+    };
+    let (everything, all) = render(Occlusion::None);
+    let (picture, figures) = render(Occlusion::Sat);
+    println!(
+        "hidden: {:.3} of {} splats, {} bricks; drawn {}",
+        figures.hidden_share,
+        figures.voxels + figures.hidden_voxels,
+        figures.hidden_bricks,
+        figures.voxels
+    );
+    assert_eq!((all.hidden_share, all.hidden_voxels), (0.0, 0));
+    assert!(figures.hidden_share > 0.3 && figures.voxels < all.voxels);
+    assert!(Comparison::of(&picture.image, &everything.image).max_error <= 1.0 / 256.0);
+}
+
+#[test]
+fn sheets_take_sections_of_other_kernels() {
+    let scene = generated(Sample::Head, 32);
+    let camera = framing(&scene, PROJECTIONS[1], 1.0, 1.0);
+    for kernel in [Kernel::CrawfisMax, Kernel::CubicBspline, Kernel::KAISER_BESSEL] {
+        let interpolated = checked(FlatSettings {
+            kernel,
+            rasterizer: Rasterizer::Auto,
+            ..fine(96).into()
+        });
+        let looked_up = checked(FlatSettings {
+            kernel,
+            rasterizer: Rasterizer::Linear1d,
+            ..fine(96).into()
+        });
+        let data = checked(FlatSettings {
+            classification: Classification::Post,
+            sheet: Some(SheetContent::Section),
+            ..interpolated.into()
+        });
+        let [a, b, _] =
+            [interpolated, looked_up, data].map(|settings| common::render(&scene, &camera, &settings));
+        let found = psnr(&a, &b);
+        println!("{}: {found:.1} dB", kernel.name());
+        assert!(found > 40.0, "{kernel:?}: {found}");
+    }
+}
