@@ -5,8 +5,7 @@ use std::process::Command;
 
 use splatvol_io::read_image;
 
-/// The folder in which cargo puts examples. Tests of this crate alone build them; with `--all-targets` they need
-/// `cargo build --workspace --examples` (`scripts/test` does that).
+/// The folder in which cargo puts examples. A run of all tests builds them; one of `--test it`, or with `--all-targets`, does not.
 fn folder() -> PathBuf {
     let test = std::env::current_exe().expect("this test is a program");
     let profile = test.ancestors().nth(2).expect("tests are in PROFILE/deps");
@@ -18,7 +17,7 @@ fn run(name: &str, output: &str) -> (tempfile::TempDir, PathBuf) {
     let program = folder().join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     assert!(
         program.exists(),
-        "{} is missing: cargo build --workspace --examples",
+        "{} is missing: cargo build -p splatvol --examples",
         program.display()
     );
     let target = tempfile::tempdir().expect("a folder for the example's file");
