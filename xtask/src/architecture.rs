@@ -160,6 +160,7 @@ mod tests {
             rust_version: None,
             dependencies: dependencies.iter().map(|&name| name.to_owned()).collect(),
             own: true,
+            targets: Vec::new(),
         }
     }
 

@@ -6,6 +6,7 @@
 //! | `msrv` | no dependency needs a newer Rust than the workspace |
 //! | `architecture` | `ARCHITECTURE.md` names every crate, its allowed dependencies, and every stage |
 //! | `files` | no committed file names a machine's paths, no Rust file is too long, no link is broken |
+//! | `targets` | cargo runs every test: no file of a test program is left out, no test lies where none is looked for |
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
@@ -21,6 +22,7 @@ mod licenses;
 mod metadata;
 mod msrv;
 mod spdx;
+mod targets;
 mod wasm;
 #[cfg(feature = "webgpu")]
 mod webgpu;
@@ -36,7 +38,7 @@ struct Task {
     run: fn(&Path, Platforms) -> Result<String>,
 }
 
-const TASKS: [Task; 4] = [
+const TASKS: [Task; 5] = [
     Task {
         name: "licenses",
         run: licenses::check,
@@ -52,6 +54,10 @@ const TASKS: [Task; 4] = [
     Task {
         name: "files",
         run: |root, _| files::check(root),
+    },
+    Task {
+        name: "targets",
+        run: |root, _| targets::check(root),
     },
 ];
 
@@ -123,6 +129,11 @@ mod tests {
     #[test]
     fn dependencies_build_with_the_oldest_rust_that_we_promise() {
         pass("msrv");
+    }
+
+    #[test]
+    fn cargo_runs_every_test() {
+        pass("targets");
     }
 
     #[test]

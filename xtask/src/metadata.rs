@@ -1,6 +1,6 @@
 //! `cargo metadata`: the packages of the workspace and those it depends on.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
@@ -17,7 +17,7 @@ pub(crate) enum Platforms {
 }
 
 /// Cargo's metadata of one package.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Package {
     pub(crate) name: String,
     pub(crate) version: String,
@@ -27,6 +27,28 @@ pub(crate) struct Package {
     pub(crate) dependencies: Vec<String>,
     /// Whether it belongs to the workspace.
     pub(crate) own: bool,
+    pub(crate) targets: Vec<Target>,
+}
+
+/// What cargo builds of a package: a library, a program, a test program, ...
+#[derive(Debug)]
+pub(crate) struct Target {
+    /// `lib`, `bin`, `test`, ...
+    pub(crate) kind: String,
+    pub(crate) name: String,
+    /// Its first source.
+    pub(crate) path: PathBuf,
+    /// Whether its tests run.
+    pub(crate) test: bool,
+    /// Whether the examples in its documentation run.
+    pub(crate) doctest: bool,
+}
+
+impl Target {
+    /// The folder of its sources.
+    pub(crate) fn folder(&self) -> Result<&Path> {
+        self.path.parent().context("a source in no folder")
+    }
 }
 
 /// Every package, and a note if some could not be examined.
@@ -91,6 +113,28 @@ fn package(value: &Value) -> Result<Package> {
         rust_version: text("rust_version"),
         dependencies,
         own: value["source"].is_null(),
+        targets: value["targets"]
+            .as_array()
+            .context("a package without targets")?
+            .iter()
+            .map(target)
+            .collect::<Result<_>>()?,
+    })
+}
+
+fn target(value: &Value) -> Result<Target> {
+    let text = |value: &Value| {
+        value
+            .as_str()
+            .map(str::to_owned)
+            .context("a target without a name")
+    };
+    Ok(Target {
+        kind: text(&value["kind"][0])?,
+        name: text(&value["name"])?,
+        path: text(&value["src_path"])?.into(),
+        test: value["test"].as_bool().unwrap_or(true),
+        doctest: value["doctest"].as_bool().unwrap_or(true),
     })
 }
 
