@@ -1,4 +1,4 @@
-//! Recorded files of the tests, and a word where a test cannot run.
+//! Recorded files of the tests, tests that take long, and a word where a test does not run.
 //!
 //! Test runners hide what passing tests print. So each line `skipped: NAME: why` also goes to the file that the environment
 //! variable `SPLATVOL_SKIPPED` names, if it is set: `scripts/test` sets it, and prints the file at the end.
@@ -11,6 +11,18 @@ use std::path::{Path, PathBuf};
 
 /// The environment variable that names the list of what was skipped.
 pub const LIST: &str = "SPLATVOL_SKIPPED";
+
+/// The environment variable by which long tests run too, if it is 1: `scripts/test --long` sets it.
+pub const LONG: &str = "SPLATVOL_LONG_TESTS";
+
+/// Whether long tests run. If not, the calling test is [skipped](skip), or its long part.
+pub fn long() -> bool {
+    let runs = std::env::var_os(LONG).is_some_and(|value| value == "1");
+    if !runs {
+        skip("a long test: scripts/test --long");
+    }
+    runs
+}
 
 /// The folder of recorded files of a kind, `../shared/data/KIND` beside the repository; an empty kind is all of them. Without
 /// the folder the calling test is [skipped](skip), and there is nothing to test with.
