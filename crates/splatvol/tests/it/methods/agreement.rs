@@ -4,6 +4,7 @@ use splatvol::{
     Alignment, Classification, Compositing, Filter, FlatSettings, Occlusion, Projection, RenderSettings,
     Scene, SheetContent,
 };
+use splatvol_recorded::long;
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::{Comparison, checked};
 
@@ -127,7 +128,7 @@ fn sheets_of_data_show_nearly_what_planes_show() {
 fn pictures_do_not_depend_on_threads_or_tiles() {
     let scene = noise();
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.4);
-    for settings in every_way() {
+    for settings in every_way(96) {
         let frame = |threads| {
             let config = splatvol::EngineConfig {
                 threads: Some(threads),
@@ -143,12 +144,13 @@ fn pictures_do_not_depend_on_threads_or_tiles() {
 }
 
 /// At `termination` 0 occluders let no light through at all, so culling the material behind them changes no byte; the
-/// summed-area table makes the picture one tile.
+/// summed-area table makes the picture one tile. Voxels are as many pixels wide at both sizes.
 #[test]
 fn what_is_hidden_changes_no_byte() {
-    let scene = crate::fast::support::opaque(&generated(Sample::Head, 64));
+    let (edge, pixels) = if long() { (64, 96) } else { (32, 48) };
+    let scene = crate::fast::support::opaque(&generated(Sample::Head, edge));
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
-    for settings in every_way() {
+    for settings in every_way(pixels) {
         if matches!(
             settings.method.compositing(),
             Compositing::PerSplatBackToFront | Compositing::Xray
@@ -177,11 +179,11 @@ fn what_is_hidden_changes_no_byte() {
     }
 }
 
-fn every_way() -> Vec<RenderSettings> {
+fn every_way(pixels: u32) -> Vec<RenderSettings> {
     let base = checked(FlatSettings {
         alignment: Alignment::Affine,
         filter: Filter::default(),
-        ..colors(96).into()
+        ..colors(pixels).into()
     });
     let of = |compositing| {
         checked(FlatSettings {
