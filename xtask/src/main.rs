@@ -11,18 +11,27 @@
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
 //! machine code uses vectors as wide as promised, in the command or in any given program. `cargo xtask wasm` checks all
-//! crates but the command for `wasm32-unknown-unknown`, where its std is installed, and `cargo xtask web` builds the engine
-//! for browsers, which the command `export` needs. `cargo xtask-webgpu` builds the GPU engine for browsers, and the module with its laws.
+//! crates but the command for `wasm32-unknown-unknown`, where its std is installed (`scripts/wasm`). `cargo xtask web` builds the
+//! engine for browsers and the readers of files, `cargo xtask-webgpu` the GPU engine for browsers and the module with its laws: with
+//! `--dev` for tests, sooner and slower; with `--committed` for a release; with `--check` to compare with what is committed.
 
 mod architecture;
 mod decode;
+mod engines;
 mod files;
 mod instructions;
 mod licenses;
 mod metadata;
 mod msrv;
+#[path = "../../crates/splatvol-page/sources.rs"]
+#[cfg_attr(
+    not(feature = "webgpu"),
+    expect(dead_code, reason = "the sources of a module that is not built")
+)]
+mod sources;
 mod spdx;
 mod targets;
+mod toolchain;
 mod wasm;
 #[cfg(feature = "webgpu")]
 mod webgpu;
@@ -73,12 +82,18 @@ fn main() -> Result<()> {
         return Ok(());
     }
     if wanted.first().is_some_and(|name| name == "web") {
-        println!("web: {}", wasm::build_engine(&root())?);
+        println!(
+            "web: {}",
+            wasm::engine(&root(), engines::Wish::of(&wanted[1..])?)?
+        );
         return Ok(());
     }
     #[cfg(feature = "webgpu")]
     if wanted.first().is_some_and(|name| name == "webgpu") {
-        println!("webgpu: {}", webgpu::build_modules(&root())?);
+        println!(
+            "webgpu: {}",
+            webgpu::engine(&root(), engines::Wish::of(&wanted[1..])?)?
+        );
         return Ok(());
     }
     let offline = wanted.iter().position(|argument| argument == "--offline");

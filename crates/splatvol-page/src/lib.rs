@@ -7,7 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `content` | what a page shows of a picture |
-//! | `engine` | the engine, gzip, if `cargo xtask web` built it before this crate; the GPU engine, if `cargo xtask-webgpu` did |
+//! | `engine` | the engines, gzip: those of `cargo xtask web` and `cargo xtask-webgpu`, or the committed ones |
 //! | `fit` | data in fewer bits or of a coarser level, until they fit |
 //! | `template` | the page with slots: each is filled once, by text that is escaped, or by code and data that are checked |
 //! | `page` | the page of a document |
@@ -25,7 +25,7 @@ mod page;
 mod template;
 
 pub use content::PageContent;
-pub use engine::{Absent, WebGpu, engine, readers, webgpu};
+pub use engine::{Absent, WebGpu, engine, outdated, readers, webgpu};
 pub use error::PageError;
 pub use fit::{Bits, Fitted, Piece, fit};
 pub use page::{ENGINE_SCRIPT, Page};

@@ -16,6 +16,12 @@ pub(crate) fn browser_engine(py: Python<'_>) -> Option<Bound<'_, PyBytes>> {
     Some(PyBytes::new(py, engine))
 }
 
+/// A sentence where the engine was built of other sources than the package.
+#[pyfunction]
+pub(crate) fn browser_notice() -> Option<&'static str> {
+    splatvol_page::outdated()
+}
+
 /// Bindings and module of the GPU engine for browsers, in gzip; `None` where the package was built without it.
 #[pyfunction]
 pub(crate) fn browser_gpu_engine(py: Python<'_>) -> Option<(Bound<'_, PyBytes>, Bound<'_, PyBytes>)> {

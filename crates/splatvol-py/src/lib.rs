@@ -44,7 +44,7 @@ mod _core {
     #[pymodule_export]
     use super::animation::{Animation, Movie};
     #[pymodule_export]
-    use super::browser::{browser_engine, browser_gpu_engine, browser_parts, browser_script};
+    use super::browser::{browser_engine, browser_gpu_engine, browser_notice, browser_parts, browser_script};
     #[pymodule_export]
     use super::data::Data;
     #[pymodule_export]

@@ -23,7 +23,7 @@ from splatvol import _browser
 CHROMIUM = os.environ.get("SPLATVOL_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 if CHROMIUM is None:
     pytest.skip(
-        "no Chromium is here: apt-get install chromium, or name one by SPLATVOL_CHROMIUM", allow_module_level=True
+        "no Chromium is here, nor named by SPLATVOL_CHROMIUM (Debian: chromium)", allow_module_level=True
     )
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 pytest.importorskip("jupyterlab", reason="JupyterLab is not installed")
@@ -238,8 +238,8 @@ BUSY = "sum(range(700_000_000))"
 
 
 def test_the_widget_turns_while_the_kernel_is_busy(browser: Any, tmp_path: Path) -> None:
-    if _browser.engine() is None:
-        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    if _browser.engine() is None or _browser.notice():
+        pytest.skip("the package has no engine for browsers of its own sources: cargo xtask web --dev")
     (tmp_path / "head.ipynb").write_text(notebook(cell(CODE), {**cell(BUSY), "id": "two"}))
     with lab(tmp_path) as address:
         page = opened(browser, address, "head.ipynb")
@@ -281,8 +281,8 @@ def test_the_widget_turns_while_the_kernel_is_busy(browser: Any, tmp_path: Path)
 
 
 def test_the_widget_turns_by_webgpu(browser: Any, tmp_path: Path) -> None:
-    if _browser.engine() is None or _browser.gpu_engine() is None:
-        pytest.skip("the package was built without the GPU engine for browsers: cargo xtask-webgpu")
+    if _browser.engine() is None or _browser.notice() or _browser.gpu_engine() is None:
+        pytest.skip("the package has no GPU engine for browsers of its own sources: cargo xtask-webgpu --dev")
     (tmp_path / "head.ipynb").write_text(notebook(cell(CODE)))
     # A device that the processor imitates.
     device = ["--no-sandbox", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]

@@ -153,8 +153,8 @@ def arrived(page: Page) -> tuple[dict[str, Any], bytes, bytes]:
 
 
 def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
-    if _browser.engine() is None:
-        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    if _browser.engine() is None or _browser.notice():
+        pytest.skip("the package has no engine for browsers of its own sources: cargo xtask web --dev")
     monkeypatch.setattr(_browser, "PAUSE", 0.0)
     page = Page(make())
     page.rest()
@@ -182,8 +182,8 @@ def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], mo
 
 
 def test_pages_with_a_device_get_the_gpu_engine(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
-    if _browser.engine() is None or _browser.gpu_engine() is None:
-        pytest.skip("the package was built without the GPU engine for browsers: cargo xtask-webgpu")
+    if _browser.engine() is None or _browser.notice() or _browser.gpu_engine() is None:
+        pytest.skip("the package has no GPU engine for browsers of its own sources: cargo xtask-webgpu --dev")
     monkeypatch.setattr(_browser, "PAUSE", 0.0)
     page = Page(make())
     page.rest()
@@ -201,8 +201,8 @@ def test_pages_with_a_device_get_the_gpu_engine(make: Callable[..., Widget], mon
 
 
 def test_pages_draw_points_themselves(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
-    if _browser.engine() is None:
-        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    if _browser.engine() is None or _browser.notice():
+        pytest.skip("the package has no engine for browsers of its own sources: cargo xtask web --dev")
     monkeypatch.setattr(_browser, "PAUSE", 0.0)
     page = Page(make())
     page.rest()

@@ -1,7 +1,7 @@
 //! The laws on this machine's device, and in a headless Chromium, whose WebGPU imitates one.
 
 #[path = "../../splatvol-page/sources.rs"]
-#[expect(dead_code, reason = "the list of another module's sources")]
+#[expect(dead_code, reason = "names of modules that are built elsewhere")]
 mod sources;
 
 use std::path::Path;
@@ -38,8 +38,10 @@ fn browsers_keep_the_laws() {
     let module = root.join(sources::LAWS);
     let read = |name: &str| std::fs::read(module.join(name));
     let built = std::fs::read_to_string(module.join("sources.txt")).ok();
-    if built.is_none() || built != sources::digest(&root, &sources::WEBGPU_SOURCES) {
-        splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
+    if built.is_none() || built != sources::digest(&root, sources::WEBGPU) {
+        splatvol_recorded::skip(
+            "the module with the laws was not built of these sources (cargo xtask-webgpu --dev)",
+        );
         return;
     }
     let (script, wasm) = (
@@ -60,7 +62,7 @@ fn browsers_keep_the_laws() {
         },
     ];
     let Some(said) = posted(&files, PATIENCE) else {
-        splatvol_recorded::skip("Chromium is not installed");
+        splatvol_recorded::skip("Chromium is not installed (Debian: chromium)");
         return;
     };
     let findings: Vec<Value> = serde_json::from_str(&said).unwrap_or_else(|_| panic!("{said}"));

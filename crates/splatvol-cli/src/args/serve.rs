@@ -17,7 +17,7 @@ use super::{ChunkArgs, PageArgs};
     after_long_help = "Only browsers that were given the printed address are answered: it holds a token that is made anew each
 time. Requests name no files, so that nothing is shown but INPUT, and nothing is written. Pictures at rest are rendered
 here, and are those of splatvol render; while the view turns the browser draws smaller data itself, if this program has
-the engine for browsers (cargo xtask web), else the drafts come from here, too. Volumes larger than half of --memory are
+the engine for browsers, else the drafts come from here, too. Volumes larger than half of --memory are
 read chunk by chunk, as splatvol render does; browsers then draw drafts of a coarse level. Many pages may be open: drafts
 go first, then whoever was served longest ago. The server ends when nobody has asked for --idle minutes, or by Ctrl-C. There is no
 encryption: across a network go through ssh -L, or a proxy that encrypts.

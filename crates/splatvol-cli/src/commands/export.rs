@@ -29,6 +29,7 @@ const NOTES: u64 = 2048;
 
 pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure> {
     splatvol_page::engine().map_err(|absent| Failure::usage(absent).hint(Absent::REMEDY))?;
+    warn_of_outdated(terminal);
     let asked = Asked::of_page(&args.page)?;
     let name = short_name(asked.document.reference());
     let output = args
@@ -69,6 +70,13 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
         terminal.note(format!("wrote {} ({})", path.display(), megabytes(said.bytes)));
     }
     Ok(())
+}
+
+/// Says that the program's engine for browsers was built of other sources.
+pub(super) fn warn_of_outdated(terminal: &Terminal) {
+    if let Some(sentence) = splatvol_page::outdated() {
+        terminal.warn(sentence);
+    }
 }
 
 /// Where a page comes from.

@@ -8,7 +8,7 @@ use splatvol_serve::{Place, Served, Server};
 use splatvol_web::Shown;
 
 use super::asked::Asked;
-use super::export::Exported;
+use super::export::{Exported, warn_of_outdated};
 use super::outputs::short_name;
 use crate::args::ServeArgs;
 use crate::failure::{During, Failure, Step};
@@ -16,6 +16,7 @@ use crate::output::Target;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> {
+    warn_of_outdated(terminal);
     let asked = Asked::of_page(&args.page)?;
     let name = short_name(asked.document.reference());
     let title = args.page.title.as_deref().unwrap_or(&name);

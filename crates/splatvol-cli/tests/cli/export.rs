@@ -6,15 +6,15 @@ use crate::browser::{Browser, Kind};
 use crate::data::{gaussian, sphere};
 use crate::sandbox::{Sandbox, png};
 
-/// Whether the command has the engine for browsers; says so where it has not.
+/// Whether the command has the engine for browsers, of its own sources; says so where it has not.
 pub(crate) fn has_engine() -> bool {
-    match splatvol_page::engine() {
-        Ok(_) => true,
-        Err(absent) => {
-            splatvol_recorded::skip(&format!("{absent} (cargo xtask web)"));
-            false
-        }
+    let has = splatvol_page::engine().is_ok() && splatvol_page::outdated().is_none();
+    if !has {
+        splatvol_recorded::skip(
+            "the engine for browsers was not built of these sources (cargo xtask web --dev)",
+        );
     }
+    has
 }
 
 /// Browsers take much memory: one at a time.
@@ -34,13 +34,22 @@ pub(crate) fn in_browsers(size: [u32; 2], show: impl Fn(&Browser)) {
 }
 
 #[test]
-fn without_its_engine_the_command_says_how_to_get_it() {
+fn without_an_engine_of_its_own_the_command_says_how_to_get_it() {
+    let sandbox = Sandbox::new();
+    let run = sandbox.run("export sample:head:16 --size 32 -o a.html");
     if splatvol_page::engine().is_err() {
-        let sandbox = Sandbox::new();
-        let run = sandbox.run("export sample:head:16 -o a.html");
         run.fails(2, &["engine for browsers", "cargo xtask web"]);
         assert!(sandbox.files().is_empty());
+        return;
     }
+    let said = run.succeeds().stderr();
+    let lines = said.lines().filter(|line| line.contains("engine for browsers"));
+    let lines: Vec<&str> = lines.collect();
+    match splatvol_page::outdated() {
+        Some(sentence) => assert_eq!(lines, [format!("splatvol: warning: {sentence}")]),
+        None => assert!(lines.is_empty(), "{said}"),
+    }
+    assert!(!sandbox.bytes("a.html").is_empty());
 }
 
 #[test]
@@ -141,7 +150,9 @@ fn webgpu_is_in_pages_that_have_room_for_it() {
     let (has, bytes, ..) = report("");
     let Some(webgpu) = splatvol_page::webgpu() else {
         assert!(!has);
-        splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
+        splatvol_recorded::skip(
+            "the GPU engine for browsers was not built of these sources (cargo xtask-webgpu --dev)",
+        );
         return;
     };
     assert!(
@@ -433,7 +444,9 @@ fn webgpu_draws_what_moves() {
         return;
     }
     if splatvol_page::webgpu().is_none() {
-        splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
+        splatvol_recorded::skip(
+            "the GPU engine for browsers was not built of these sources (cargo xtask-webgpu --dev)",
+        );
         return;
     }
     let _one = ONE.lock();

@@ -65,6 +65,6 @@ fn browsers_compile_every_shader() {
     let (page, count) = page(&every_shader(), &variants());
     match posted(&[Served::page(&page)], PATIENCE) {
         Some(said) => assert_eq!(said, format!("compiled {count}")),
-        None => splatvol_recorded::skip("Chromium is not installed"),
+        None => splatvol_recorded::skip("Chromium is not installed (Debian: chromium)"),
     }
 }

@@ -36,6 +36,11 @@ def engine() -> tuple[str, bytes] | None:
     return None if module is None else (_digest(module), module)
 
 
+def notice() -> str | None:
+    """A sentence where the engine was built of other sources than the package."""
+    return _core.browser_notice()
+
+
 @cache
 def gpu_engine() -> tuple[str, bytes, bytes] | None:
     """The GPU engine: its digest, bindings and module; `None` where the package was built without it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -457,6 +458,9 @@ def _publish(bundle: dict[str, Any]) -> None:
 
 def widget_of(data: Any, options: dict[str, Any], engine: str) -> Widget:
     """A widget of anything that can be shown."""
+    note = _browser.notice() if engine == "auto" else None
+    if note is not None:
+        warnings.warn(note, stacklevel=3)
     if not isinstance(data, Scene):
         return Widget(Scene(data, **options), engine)
     if not options:

@@ -31,7 +31,10 @@ impl Kind {
     /// What has to be installed for it.
     fn needs(self) -> &'static str {
         match self {
-            Self::Chromium | Self::ChromiumWithGpu => "Chromium and its driver",
+            Self::Chromium | Self::ChromiumWithGpu => {
+                "Chromium and its driver (Debian: chromium, chromium-driver)"
+            }
+            // It shows what Chromium shows; scripts/browsers does not install it.
             Self::Firefox => "Firefox",
         }
     }
