@@ -4,9 +4,10 @@ use fearless_simd::{Level, Simd};
 use splatvol_core::plan::{SplatConstants, blocks_of};
 
 use crate::sheets::needed::Footprints;
+use crate::sheets::records::{CAPACITY, Records};
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
-use crate::sheets::splat::{self, Coefficient, FootprintGroup, Powers, Records, Stencil};
+use crate::sheets::splat::{self, Coefficient, FootprintGroup, Powers, Stencil};
 
 /// Every SIMD level of this machine, the best first, with its name. Scalar code exists only in builds with the
 /// feature `scalar`, or where the processor has no SIMD.
@@ -60,7 +61,7 @@ impl FourSheets {
         };
         let mut records = Box::<Records>::default();
         let apron = 2 * blocks;
-        records.len = x.len().min(y.len()).min(splat::CAPACITY);
+        records.len = x.len().min(y.len()).min(CAPACITY);
         for (n, (x, y)) in x.iter().zip(y).take(records.len).enumerate() {
             let first = |centre: f32| (centre.floor() as usize + apron) / 2 - blocks / 2;
             let origin = |centre: f32| (2 * first(centre)) as f32 + splat::origin_point(blocks, ellipses);

@@ -9,7 +9,7 @@ use splatvol_core::plan::{DepthOrder, SplatConstants};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::mask::OpenMask;
-use super::splat::{CAPACITY, Records};
+use super::records::{CAPACITY, Records};
 
 /// A brick with voxels that have not entered a sheet yet.
 #[derive(Debug, Clone, Copy)]

@@ -9,12 +9,13 @@ use splatvol_core::plan::Rays;
 
 use super::canvas::{Canvas, Material};
 use super::classified::{ClassifiedBricks, ClassifiedVoxels};
+use super::footprint::Scaled;
 use super::frame::SheetFrame;
 use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::shaded::filled;
-use super::splat::{Payload, Scaled};
+use super::splat::Payload;
 use super::tile::{MAX_CHANNELS, SheetScratch};
 use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
 

@@ -12,9 +12,10 @@ use splatvol_core::plan::{SplatConstants, half_extent};
 
 use super::mask::OpenMask;
 use super::place::Place;
+use super::records::{CAPACITY, Records};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row};
 use super::sheet::GroupShape;
-use super::splat::{CAPACITY, COLUMN, Offset, Payload, ROW, Records, load};
+use super::splat::{COLUMN, Offset, Payload, ROW, load};
 use crate::simd::math::exp2_quick;
 
 /// The four sheets of a group in a tile.

@@ -8,8 +8,9 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
+use super::footprint::{Footprint, Voxel, accumulate};
 use super::ring::Row;
-use super::splat::{COLUMN, Footprint, Offset, Payload, ROW, Voxel, accumulate, load, origin_point};
+use super::splat::{COLUMN, Offset, Payload, ROW, load, origin_point};
 
 /// A voxel's footprints on four sheets about their own centres, for the sums of its derivatives.
 pub(crate) struct Centred<S: Simd> {

@@ -13,9 +13,9 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use super::frame::SheetFrame;
 use super::place::Place;
 use super::plane::{HALO, Plane};
+use super::records::Records;
 use super::ring::{LANES, SheetRing};
 use super::shade::Interval;
-use super::splat::Records;
 use super::tile::{MAX_CHANNELS, SheetScratch, take};
 use super::upsample::Sums;
 

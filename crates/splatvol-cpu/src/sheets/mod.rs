@@ -5,7 +5,7 @@
 //! | level | `levels`, [`splatvol_core::level`] | the volume, or the halves of it that suit the picture's scale, with the data that a transfer function needs |
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
-//! | splat | `splat`, `needed`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
+//! | splat | `records`, `splat`, `footprint`, `needed`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | | `cloud` | or kernels of their own shapes: points, Gaussians, samples of meshes |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
@@ -42,6 +42,7 @@ pub(crate) mod exact_intensity;
 pub(crate) mod extremum;
 pub(crate) mod eye;
 pub(crate) mod fine_table;
+pub(crate) mod footprint;
 pub(crate) mod frame;
 pub(crate) mod gradients;
 pub(crate) mod hermite;
@@ -60,6 +61,7 @@ pub(crate) mod picture;
 pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;
+pub(crate) mod records;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;

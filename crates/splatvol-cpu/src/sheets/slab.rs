@@ -3,7 +3,7 @@
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::SplatConstants;
 
-use super::splat::Records;
+use super::records::Records;
 
 /// Depth of a slab's footprints, to which its voxels are moved.
 #[derive(Debug, Clone, Copy)]

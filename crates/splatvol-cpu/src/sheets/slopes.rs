@@ -14,10 +14,11 @@ use std::f32::consts::LN_2;
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::SplatConstants;
 
+use super::footprint::{Footprint, Voxel, accumulate};
 use super::gradients::Centred;
 use super::ring::Row;
 use super::sheet::GroupShape;
-use super::splat::{Footprint, Offset, Payload, Voxel, accumulate, load};
+use super::splat::{Offset, Payload, load};
 
 /// A coefficient, with its footprint's slope along each pixel's ray.
 #[derive(Debug, Clone, Copy)]

@@ -19,109 +19,23 @@
 
 use std::ops::Range;
 
-use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
+use fearless_simd::{f32x8, f32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 
+use super::footprint::{Footprint, Scaled, Steps, Voxel};
 use super::needed::{Footprints, Needed};
-use super::ring::{Area, Block, PITCH, Row};
+use super::records::{CAPACITY, Records};
+use super::ring::{PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
 use super::tile::MAX_CHANNELS;
 use crate::simd::math::{LEAST_NORMAL, exp2, exp2_quick};
-
-/// Voxels buffered for splatting.
-pub(crate) const CAPACITY: usize = 1024;
-
-/// A column of the records: vectors may be stored behind the last one.
-pub(crate) type Column<T> = [T; CAPACITY + 16];
-
-/// Voxels of a slab, ready to be splatted.
-#[derive(Debug)]
-pub(crate) struct Records {
-    pub len: usize,
-    /// Camera space.
-    pub x: Column<f32>,
-    pub y: Column<f32>,
-    pub z: Column<f32>,
-    /// Coefficient, or another number that the mode's [`Payload`] interprets.
-    pub value: Column<f32>,
-    /// Raster coordinates of the principal point from the footprint's middle.
-    pub origin_x: Column<f32>,
-    pub origin_y: Column<f32>,
-    /// First block of the footprint, and its row.
-    pub column: Column<u32>,
-    pub row: Column<u32>,
-    /// First and last column and row of the footprints, and of their first blocks.
-    low: [Lanes16; 2],
-    high: [Lanes16; 2],
-}
-
-impl Default for Records {
-    fn default() -> Self {
-        const ZERO: Column<f32> = [0.0; CAPACITY + 16];
-        Self {
-            len: 0,
-            x: ZERO,
-            y: ZERO,
-            z: ZERO,
-            value: ZERO,
-            origin_x: ZERO,
-            origin_y: ZERO,
-            column: [0; CAPACITY + 16],
-            row: [0; CAPACITY + 16],
-            low: [NONE_LOW; 2],
-            high: [NONE_HIGH; 2],
-        }
-    }
-}
-
-const NONE_LOW: Lanes16 = Lanes16([f32::INFINITY; 16]);
-const NONE_HIGH: Lanes16 = Lanes16([-1.0; 16]);
-
-impl Records {
-    /// Stores the first blocks of footprints that are added next.
-    #[inline(always)]
-    pub(crate) fn join<S: Simd>(&mut self, simd: S, which: mask32x16<S>, column: f32x16<S>, row: f32x16<S>) {
-        let (low, high) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, -1.0));
-        for (axis, first) in [column, row].into_iter().enumerate() {
-            let (at_least, at_most) = (load(simd, &self.low[axis]), load(simd, &self.high[axis]));
-            at_least
-                .min(which.select(first, low))
-                .store_slice(&mut self.low[axis].0);
-            at_most
-                .max(which.select(first, high))
-                .store_slice(&mut self.high[axis].0);
-        }
-    }
-
-    /// Includes the first block of one of them.
-    pub(crate) fn widen(&mut self, first: [u32; 2]) {
-        for (axis, first) in first.into_iter().enumerate() {
-            let (low, high) = (&mut self.low[axis].0[0], &mut self.high[axis].0[0]);
-            (*low, *high) = (low.min(first as f32), high.max(first as f32));
-        }
-    }
-
-    /// Blocks covered by the footprints; resets them.
-    pub(crate) fn take_area(&mut self, size: usize) -> Area {
-        let low = std::mem::replace(&mut self.low, [NONE_LOW; 2])
-            .map(|l| l.0.into_iter().fold(f32::INFINITY, f32::min));
-        let high =
-            std::mem::replace(&mut self.high, [NONE_HIGH; 2]).map(|h| h.0.into_iter().fold(-1.0, f32::max));
-        Area {
-            x0: low[0] as usize,
-            y0: low[1] as usize,
-            x1: high[0] as usize + size,
-            y1: high[1] as usize + size,
-        }
-    }
-}
 
 /// The footprint of a voxel in the middle of a raster point: C(i, j) block by block, or its columns and rows.
 #[derive(Debug)]
 pub(crate) struct Stencil {
     pub blocks: [[Lanes16; MAX_BLOCKS]; MAX_BLOCKS],
-    columns: [Lanes16; MAX_BLOCKS],
-    rows: [Lanes16; MAX_BLOCKS],
+    pub(super) columns: [Lanes16; MAX_BLOCKS],
+    pub(super) rows: [Lanes16; MAX_BLOCKS],
     /// The blocks that are added.
     pub needed: Needed,
     /// Depth at which the square of blocks lies around the voxel's centre.
@@ -225,7 +139,7 @@ pub(crate) const fn origin_point(size: usize, ellipses: bool) -> f32 {
 }
 
 /// The block of a footprint with the raster point from which i and j count.
-const fn origin_block(size: usize, ellipses: bool) -> usize {
+pub(super) const fn origin_block(size: usize, ellipses: bool) -> usize {
     if ellipses { size / 2 } else { 0 }
 }
 
@@ -304,126 +218,6 @@ pub(crate) trait Payload<const N: usize>: Copy {
         _offset: &Offset<'_, S>,
     ) -> [f32x16<S>; N] {
         weights.map(|weight| weight * share)
-    }
-}
-
-/// Footprints of a voxel in the rings, block by block. Compiled for each size of footprints; payloads share them.
-pub(crate) trait Footprint {
-    /// Whether the payload's weights are used.
-    const WEIGHTED: bool;
-
-    /// Adds a voxel's footprint to each ring. `CAPACITY` is the number of blocks along the edge, or the most of these.
-    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
-        simd: S,
-        voxel: &Voxel<'_, S, CAPACITY>,
-        rings: &mut [&mut [Row]],
-    );
-}
-
-/// One footprint in every ring, times a weight for each.
-pub(crate) struct Scaled;
-
-impl Footprint for Scaled {
-    const WEIGHTED: bool = true;
-
-    #[inline(always)]
-    fn add<S: Simd, const CAPACITY: usize, const ELLIPSES: bool>(
-        simd: S,
-        voxel: &Voxel<'_, S, CAPACITY>,
-        rings: &mut [&mut [Row]],
-    ) {
-        for (ring, weight) in rings.iter_mut().zip(voxel.weights) {
-            let Some(rows) = voxel.rows(ring) else {
-                continue;
-            };
-            let down = voxel.down::<ELLIPSES>(simd, load(simd, weight));
-            voxel.add_product::<ELLIPSES>(simd, &down, rows);
-        }
-    }
-}
-
-/// A voxel about to be splatted into a group of sheets.
-pub(crate) struct Voxel<'a, S: Simd, const CAPACITY: usize> {
-    pub records: &'a Records,
-    pub index: usize,
-    pub constants: &'a SplatConstants,
-    pub shape: &'a GroupShape,
-    pub stencil: &'a Stencil,
-    /// Blocks along the footprint's edge: `CAPACITY`, but where one body is compiled for several sizes.
-    pub size: usize,
-    pub steps: Steps<S, CAPACITY>,
-    /// The footprint at the raster point that its powers count from, and the profile in depth: four sheets, twice.
-    pub lateral: f32x8<S>,
-    pub depth: f32x8<S>,
-    /// What the footprint is multiplied by in each ring.
-    weights: &'a [Lanes16; MAX_CHANNELS],
-    /// Column of the first block.
-    pub column: usize,
-}
-
-impl<S: Simd, const CAPACITY: usize> Voxel<'_, S, CAPACITY> {
-    /// Rows of a ring that the footprint touches.
-    #[inline(always)]
-    pub(crate) fn rows<'r>(&self, ring: &'r mut [Row]) -> Option<&'r mut [Row]> {
-        let row = self.records.row[self.index] as usize;
-        ring.get_mut(row..row + self.size)
-    }
-
-    /// Columns of a ring that the footprint touches.
-    #[inline(always)]
-    pub(crate) fn columns(&self) -> Range<usize> {
-        self.column..self.column + self.size
-    }
-
-    /// Whether a block is left out.
-    #[inline(always)]
-    pub(crate) fn lacks<const ELLIPSES: bool>(&self, row: usize, column: usize) -> bool {
-        self.stencil.needed.lacks::<ELLIPSES>(self.size, [row, column])
-    }
-
-    /// Powers of the rows, times a weight.
-    #[inline(always)]
-    pub(crate) fn down<const ELLIPSES: bool>(&self, simd: S, weight: f32x16<S>) -> [f32x16<S>; CAPACITY] {
-        let Self {
-            steps, stencil, size, ..
-        } = self;
-        let origin = origin_block(*size, ELLIPSES);
-        let mut down = [steps.origin * weight; CAPACITY];
-        for r in origin + 1..*size {
-            down[r] = down[r - 1] * steps.forward;
-        }
-        for r in (0..origin).rev() {
-            down[r] = down[r + 1] * steps.back;
-        }
-        if !ELLIPSES {
-            for b in 0..*size {
-                down[b] *= load(simd, &stencil.rows[b]);
-            }
-        }
-        down
-    }
-
-    /// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
-    #[inline(always)]
-    fn add_product<const ELLIPSES: bool>(&self, simd: S, down: &[f32x16<S>; CAPACITY], rows: &mut [Row]) {
-        // Slices of one length: no test of an index is left in the inner loop.
-        let size = self.size;
-        let (across, rows, down) = (&self.steps.across[..size], &mut rows[..size], &down[..size]);
-        for r in 0..size {
-            let line = &mut rows[r].0[self.columns()][..size];
-            let stencil = &self.stencil.blocks[r][..size];
-            for c in 0..size {
-                if self.lacks::<ELLIPSES>(r, c) {
-                    continue;
-                }
-                let weights = if ELLIPSES {
-                    across[c] * load(simd, &stencil[c])
-                } else {
-                    across[c]
-                };
-                accumulate(simd, weights * down[r], &mut line[c]);
-            }
-        }
     }
 }
 
@@ -623,79 +417,4 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
         }
         (linear * again + rest).store_slice(&mut exponents[n].0);
     }
-}
-
-/// Powers of a voxel's columns, and the factors from row to row.
-pub(crate) struct Steps<S: Simd, const CAPACITY: usize> {
-    pub across: [f32x16<S>; CAPACITY],
-    /// Factors of the rows in the block from which they are counted.
-    origin: f32x16<S>,
-    forward: f32x16<S>,
-    back: f32x16<S>,
-}
-
-/// Four numbers in all quarters of a vector.
-#[inline(always)]
-fn four_times<S: Simd>(four: f32x4<S>) -> f32x16<S> {
-    let both = four.combine(four);
-    both.combine(both)
-}
-
-impl<S: Simd, const CAPACITY: usize> Steps<S, CAPACITY> {
-    #[inline(always)]
-    fn of_round(simd: S, size: usize, bases: f32x8<S>, stencil: &Stencil) -> Self {
-        let (p, q) = bases.split();
-        let one = f32x4::splat(simd, 1.0);
-        let columns = one.combine(p);
-        let mut across = [columns.combine(columns); CAPACITY];
-        let p = four_times(p);
-        let forward = p * p;
-        for b in 1..size {
-            across[b] = across[b - 1] * forward;
-        }
-        for b in 0..size {
-            across[b] *= load(simd, &stencil.columns[b]);
-        }
-        let origin = one.combine(one).combine(q.combine(q));
-        let q = four_times(q);
-        Self {
-            across,
-            origin,
-            forward: q * q,
-            back: q,
-        }
-    }
-
-    #[inline(always)]
-    fn of_ellipse(simd: S, size: usize, bases: f32x8<S>) -> Self {
-        let origin = origin_block(size, true);
-        let (p, q) = bases.split();
-        let inverse = f32x8::splat(simd, 1.0) / bases;
-        let (p_back, q_back) = (inverse * inverse).split();
-        let one = f32x4::splat(simd, 1.0);
-        let columns = one.combine(p);
-        let mut across = [columns.combine(columns); CAPACITY];
-        let p = four_times(p);
-        let (forward, back) = (p * p, four_times(p_back));
-        for b in origin + 1..size {
-            across[b] = across[b - 1] * forward;
-        }
-        for b in (0..origin).rev() {
-            across[b] = across[b + 1] * back;
-        }
-        let rows = one.combine(one).combine(q.combine(q));
-        let q = four_times(q);
-        Self {
-            across,
-            origin: rows,
-            forward: q * q,
-            back: four_times(q_back),
-        }
-    }
-}
-
-/// Adds to a block.
-#[inline(always)]
-pub(crate) fn accumulate<S: Simd>(simd: S, weights: f32x16<S>, block: &mut Block) {
-    (weights + f32x16::from_slice(simd, &block.0)).store_slice(&mut block.0);
 }

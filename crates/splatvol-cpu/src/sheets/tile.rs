@@ -21,10 +21,11 @@ use super::needed::Footprints;
 use super::operated::Faces;
 use super::place::Place;
 use super::plane::{HALO, Plane};
+use super::records::{CAPACITY, Records};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
-use super::splat::{CAPACITY, FootprintGroup, Payload, Powers, Records, Stencil, origin_point, splat};
+use super::splat::{FootprintGroup, Payload, Powers, Stencil, origin_point, splat};
 use super::upsample::{Sums, Upsampler};
 
 /// A brick's values.

@@ -10,13 +10,14 @@ use fearless_simd::{f32x16, prelude::*};
 use super::mode::CloudShading;
 use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::ClassifiedVoxels;
+use crate::sheets::footprint::Scaled;
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::operated::Operated;
 use crate::sheets::place::Place;
 use crate::sheets::plane::{Plane, Span};
 use crate::sheets::shade::{PlaneShader, ShadeTarget};
 use crate::sheets::shaded::{interval, show};
-use crate::sheets::splat::{Payload, Scaled};
+use crate::sheets::splat::Payload;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 
 /// Least weight used as a divisor.
