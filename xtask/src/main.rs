@@ -78,7 +78,8 @@ fn main() -> Result<()> {
         return Ok(());
     }
     if wanted.first().is_some_and(|name| name == "wasm") {
-        println!("wasm: {}", wasm::check(&root())?);
+        let least = wanted.get(1).is_some_and(|option| option == "--least");
+        println!("wasm: {}", wasm::check(&root(), least)?);
         return Ok(());
     }
     if wanted.first().is_some_and(|name| name == "web") {
