@@ -22,9 +22,7 @@ from splatvol import _browser
 
 CHROMIUM = os.environ.get("SPLATVOL_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 if CHROMIUM is None:
-    pytest.skip(
-        "no Chromium is here, nor named by SPLATVOL_CHROMIUM (Debian: chromium)", allow_module_level=True
-    )
+    pytest.skip("no Chromium is here, nor named by SPLATVOL_CHROMIUM (Debian: chromium)", allow_module_level=True)
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 pytest.importorskip("jupyterlab", reason="JupyterLab is not installed")
 
