@@ -16,7 +16,7 @@ pub struct Footprint {
     pub bounds: [f32; 4],
     /// Line integral through the centre, world length, where the warp's gain is 1.
     pub weight: f32,
-    /// Factor on a splat's opacity (`swan-alpha`); 1 otherwise.
+    /// Factor on a splat's opacity (`swan-alpha`, capsules in motion), which is a factor in `weight`, too; 1 otherwise.
     pub opacity: f32,
     /// Camera depth of the centre.
     pub depth: f32,

@@ -13,11 +13,12 @@
 //!
 //! * *exact*: the mean of the profile over the shutter, [`super::Profile::mean_along`]; of a Gaussian it is
 //!   `sqrt(2 pi) / 2L exp(-v^2 / 2) [erf((u + L/2) / sqrt 2) - erf((u - L/2) / sqrt 2)]`;
-//! * *capsule* (mueller1998 figure 11): the profile at the distance from the segment, times eq. 11,
-//!   `A1 / (A1 + 2 l s) = pi s / (pi s + 2 L)` for a silhouette of radius s. The paper dims opacities; this dims
-//!   optical depths, which is the same where absorption is linear. Its energy is that of the still one times this
-//!   factor and `1 + L l / E`, with l the profile's integral over a line and E over the plane. The product exceeds
-//!   1, as profiles fall off.
+//! * *capsule* (mueller1998 figure 11): the profile at the distance from the segment, dimmed by eq. 11,
+//!   `A1 / (A1 + 2 l s) = pi s / (pi s + 2 L)` for a silhouette of radius s and the way L of its centre. As in the
+//!   paper this is a factor on the opacity of a splat that is composited by itself, as `swan-alpha` is. Sheets and X-rays,
+//!   which add splats up before anything is opaque, have no such opacity: there it is a factor on the optical depth. The capsule's
+//!   energy is that of the still kernel times this factor and `1 + L l / E`, with l the profile's integral over a line and E over
+//!   the plane. The product exceeds 1, as profiles fall off.
 //!
 //! Sections need the kernel's place along the ray while the pixel sees it. Of the times `t = (u - x) / L`, x is
 //! normal within `u -+ L/2`, so the depth has the mean and the variance of that, times the rate at which it
@@ -78,6 +79,14 @@ pub struct Passage {
 const STILL: f32 = 1e-4;
 
 impl Moving {
+    /// Factor on the opacity of a capsule whose centre moves by `length` and whose silhouette has the radius `cut`
+    /// (mueller1998 eq. 11), both in standard deviations.
+    #[inline(always)]
+    pub(super) fn dimmed(length: f32, cut: f32) -> f32 {
+        let half_around = std::f32::consts::PI * cut;
+        half_around / (half_around + 2.0 * length)
+    }
+
     /// Passage of the kernel past the ray through a point of the picture. `offset` is the point's from the centre,
     /// `depth` the centre's, with its standard deviation along the ray.
     #[inline(always)]

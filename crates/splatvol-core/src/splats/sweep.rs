@@ -101,10 +101,16 @@ impl Sweep {
         }
     }
 
-    /// The footprint of a splat in motion, from its footprint in the shutter's middle. `scale`: pixels per world
-    /// length; `ray`: x and y per depth of the centre's ray. The bounds are those of affine footprints.
+    /// The footprint of a splat in motion, from its footprint in the shutter's middle. `cut`: the profile's radius,
+    /// standard deviations; `scale`: pixels per world length; `ray`: x and y per depth of the centre's ray. The bounds
+    /// are those of affine footprints.
     #[inline(always)]
-    pub(super) fn blur(&self, still: Footprint, displacement: Vec3, (scale, ray): (f32, Vec2)) -> Footprint {
+    pub(super) fn blur(
+        &self,
+        (still, cut): (Footprint, f32),
+        displacement: Vec3,
+        (scale, ray): (f32, Vec2),
+    ) -> Footprint {
         let moved = (displacement.truncate() - ray * displacement.z) * scale;
         let path = match still.warp {
             Warp::Affine { conic, slope } => {
@@ -123,13 +129,20 @@ impl Sweep {
             Warp::Moving(moving) => moving.path,
         };
         let ([x0, y0, x1, y1], half) = (still.bounds, 0.5 * moved.abs());
-        Footprint {
+        let moving = Moving {
+            path,
+            capsule: self.capsule,
+        };
+        let mut footprint = Footprint {
             bounds: [x0 - half.x, y0 - half.y, x1 + half.x, y1 + half.y],
-            warp: Warp::Moving(Moving {
-                path,
-                capsule: self.capsule,
-            }),
+            warp: Warp::Moving(moving),
             ..still
+        };
+        if self.capsule {
+            let dimmed = Moving::dimmed(footprint.passage(&moving, footprint.centre).length, cut);
+            footprint.weight *= dimmed;
+            footprint.opacity *= dimmed;
         }
+        footprint
     }
 }

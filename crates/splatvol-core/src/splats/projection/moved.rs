@@ -43,7 +43,7 @@ impl Projection<'_> {
         };
         let scale = self.pixels_per_length(centre.z) as f32;
         let ray = Vec2::new(ray.x as f32, ray.y as f32);
-        let mut footprint = sweep.blur(still, displacement, (scale, ray));
+        let mut footprint = sweep.blur((still, self.cut as f32), displacement, (scale, ray));
         if !matches!(still.warp, Warp::Affine { .. }) {
             let ends = [centre - half, centre + half].map(|end| self.still(end, covariance));
             for end in ends.into_iter().flatten() {

@@ -153,8 +153,7 @@ impl<P: Profile> Brush<'_, P> {
                 continue;
             }
             let value = if moving.capsule {
-                let radius = std::f32::consts::PI * cut;
-                self.profile.whole(nearest) * radius / (radius + 2.0 * passage.length)
+                self.profile.whole(nearest)
             } else {
                 self.profile
                     .mean_along(passage.across_squared, passage.along, passage.length)

@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
-    Alignment, Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid, Motion,
-    MotionBlur, RenderSettings, Renderer, Scene, Volume,
+    Absorption, Alignment, Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame,
+    Grid, ImageSize, Kernel, LengthUnit, Motion, MotionBlur, RenderSettings, Renderer, Rescale, Samples,
+    Scene, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::{Comparison, sample};
@@ -124,6 +125,53 @@ fn x_rays_keep_their_energy_and_capsules_gain() {
             assert!(exact.abs() < 1e-3, "{filter:?}: {exact}");
             assert!((0.05..1.2).contains(&capsule), "{filter:?}: {capsule}");
         }
+    }
+}
+
+/// mueller1998 eq. 11 on a voxel that nothing shines through: drawn apart by l, it keeps `A1 / (A1 + 2 l s)` of its opacity, `pi s
+/// / (pi s + 2 l)` for a circle of radius s.
+#[test]
+fn a_capsule_of_an_opaque_voxel_is_dimmed_by_what_its_area_grows() {
+    let edge = 15;
+    let grid = Grid::new([edge; 3], DVec3::ZERO, DVec3::ONE, DMat3::IDENTITY).unwrap();
+    let mut values = vec![0.0_f32; edge * edge * edge];
+    values[(7 * edge + 7) * edge + 7] = 1.0;
+    let volume = Volume::new(
+        grid,
+        Samples::F32(values.into()),
+        Rescale::default(),
+        LengthUnit::default(),
+    );
+    let mut look = translucent();
+    look.unit_distance = Some(1e-3);
+    let scene = Scene::new(volume.unwrap(), look);
+    let (length, radius) = (3.0, 2.0);
+    let camera = common::orthographic(DVec3::splat(7.0), DVec3::Z, 10.0);
+    for absorption in [Absorption::Exp, Absorption::Linear] {
+        let opacity = |motion_blur| {
+            let settings = checked(FlatSettings {
+                absorption,
+                lighting: None,
+                motion_blur,
+                termination: 0.0,
+                kernel: Kernel::Gaussian { sigma: 0.602, radius },
+                size: ImageSize::new(41, 41).unwrap(),
+                ..RenderSettings::mueller1998().into()
+            });
+            let motion = Motion::Linear(length * DVec3::X);
+            common::render(&moving(&scene, motion), &camera, &settings)
+                .image
+                .pixels[20 * 41 + 20][3]
+        };
+        let still = opacity(MotionBlur::None);
+        let found = f64::from(opacity(MotionBlur::Capsule));
+        let expected = std::f64::consts::PI * radius / (std::f64::consts::PI * radius + 2.0 * length);
+        println!("{absorption:?}: {found:.4}, {expected:.4} by eq. 11");
+        assert!(still > 0.999, "{still}");
+        assert!(
+            (found - expected).abs() < 1e-3,
+            "{absorption:?}: {found} {expected}"
+        );
     }
 }
 
