@@ -85,9 +85,9 @@ pub use points::{PointAttributes, Points};
 pub use scene::{Scene, SingleVolume};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings,
-    GaussianMode, Gradient, Kernel, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction,
-    RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings,
-    Stretch, TableLayout, TablePrecision,
+    GaussianMode, Gradient, Kernel, KernelEdge, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer,
+    Reconstruction, RenderSettings, SheetContent, SheetKernel, SheetSettings, SheetValues, Shows,
+    SplatCompositing, SplatSettings, Stretch, TableLayout, TablePrecision,
 };
 pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;

@@ -197,7 +197,10 @@ impl From<&FootprintArgs> for SettingKeys {
             absorption: args.absorption,
             alignment: args.alignment,
             alignment_budget: args.alignment_budget,
+            sheet_values: args.sheet_values,
+            alignment_switch: args.alignment_switch,
             stretch: args.stretch,
+            kernel_edge: args.kernel_edge,
             occlusion: args.occlusion,
             reconstruction: args.reconstruction,
             flatness: args.flatness,
@@ -215,6 +218,7 @@ impl From<&FastSplatsArgs> for SettingKeys {
             table_precision: args.table_precision,
             table_sections: args.table_sections,
             subpixels: args.subpixels,
+            blit_radius: args.blit_radius,
             extract_density: args.extract_density,
             extract_gradient: args.extract_gradient,
             ..Self::default()

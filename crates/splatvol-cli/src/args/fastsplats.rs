@@ -21,11 +21,14 @@ pub(crate) struct FastSplatsArgs {
     /// Number of parts into which a table cuts the kernel along depth, 1 to 128 [default: 128]
     #[arg(long, value_name = "COUNT", help_heading = PAPERS)]
     pub(crate) table_sections: Option<u32>,
-    /// Places per pixel and axis that centres are rounded to [default: rlut 10, blit-2d 2]
+    /// Places per pixel and axis that centres are rounded to [default: rlut 10, blit-2d 2, hybrid 8]
     ///
-    /// With --rasterizer rlut 1 to 128, with blit-2d 1 to 8.
+    /// With --rasterizer rlut 1 to 128, with blit-2d and hybrid 1 to 8.
     #[arg(long, value_name = "COUNT", help_heading = PAPERS)]
     pub(crate) subpixels: Option<u32>,
+    /// Largest radius of a footprint that --rasterizer hybrid copies, pixels [default: 4]
+    #[arg(long, value_name = "PIXELS", help_heading = PAPERS)]
+    pub(crate) blit_radius: Option<u32>,
     /// Splat only voxels of these values, as the transfer function counts them
     #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = PAPERS,
           allow_hyphen_values = true)]

@@ -2,7 +2,8 @@
 
 use clap::Args;
 use splatvol_document::keys::names::{
-    AbsorptionName, AlignmentName, OcclusionName, ReconstructionName, SheetName, StretchName,
+    AbsorptionName, AlignmentName, KernelEdgeName, OcclusionName, ReconstructionName, SheetName,
+    SheetValuesName, StretchName,
 };
 
 use super::help::PAPERS;
@@ -13,6 +14,9 @@ pub(crate) struct FootprintArgs {
     /// Contribution of a kernel to a sheet [default: sample, or section where the method needs it]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) sheet: Option<SheetName>,
+    /// The value of a pixel on a sheet of sections [default: mean, or sum with --extract-*]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
+    pub(crate) sheet_values: Option<SheetValuesName>,
     /// How light is lost on its way through a length x of material [default: exp]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) absorption: Option<AbsorptionName>,
@@ -22,9 +26,15 @@ pub(crate) struct FootprintArgs {
     /// Largest error of a footprint with --alignment auto, share of its peak [default: 0.00390625]
     #[arg(long, value_name = "SHARE", help_heading = PAPERS)]
     pub(crate) alignment_budget: Option<f64>,
+    /// Where --alignment switch switches, voxel spacings behind that from which voxels are less than a pixel apart [default: 70]
+    #[arg(long, value_name = "SPACINGS", help_heading = PAPERS)]
+    pub(crate) alignment_switch: Option<f64>,
     /// How --filter swan stretches kernels [default: box]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) stretch: Option<StretchName>,
+    /// The edge of the Gaussian kernel's footprint, where it is cut [default: smooth]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
+    pub(crate) kernel_edge: Option<KernelEdgeName>,
     /// How hidden voxels are found and left out [default: auto]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) occlusion: Option<OcclusionName>,

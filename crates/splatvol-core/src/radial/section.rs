@@ -84,6 +84,8 @@ pub struct Section<'a, E> {
     /// Value of an entry's unit.
     pub(super) unit: f32,
     pub(super) spacing: Spacing,
+    /// Numbers of the rows that its depths fall on.
+    pub(super) depths: [usize; 2],
 }
 
 impl<E: Entry> Section<'_, E> {
@@ -113,6 +115,12 @@ impl<E: Entry> Section<'_, E> {
     #[inline(always)]
     pub fn rows(&self) -> [&[E]; 2] {
         [self.front, self.back]
+    }
+
+    /// Rows in front of each of its depths: 0 (nothing of the kernel) to the number of the table's sections (all of it).
+    #[inline(always)]
+    pub fn depths(&self) -> [usize; 2] {
+        self.depths
     }
 
     /// Value of an entry's unit, per square voxel.

@@ -173,6 +173,7 @@ impl FootprintTable {
             last: (self.settings.entries - 1) as f32,
             unit: self.unit,
             spacing: self.settings.spacing,
+            depths: [front, back],
         }
     }
 

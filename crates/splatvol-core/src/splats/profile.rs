@@ -96,11 +96,12 @@ fn chord(cut: f32, across_squared: f32, [along, length]: [f32; 2]) -> Option<[f3
     (from <= to && half > 0.0).then_some([from, to])
 }
 
-/// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept. In depth it is the
-/// normal distribution within the cut.
+/// A cut Gaussian: less its value at the cut so that it ends without a step, with its mass kept, or as it is. In depth
+/// it is the normal distribution within the cut.
 #[derive(Debug, Clone)]
 pub struct GaussianProfile {
     cut: f32,
+    cut_squared: f32,
     peak: f32,
     /// Edge subtracted from the profile, and the scale that then makes the centre 1.
     edge: f32,
@@ -120,11 +121,20 @@ const OUTER_NODE: f32 = 0.387_298_33;
 const RESOLUTION: f32 = 256.0;
 
 impl GaussianProfile {
-    /// The Gaussian cut at `cut` standard deviations.
+    /// The Gaussian cut at `cut` standard deviations, without a step.
     pub fn new(cut: f64) -> Self {
         let edge = libm::exp(-0.5 * cut * cut);
         // The integral of exp(-r^2 / 2) - edge over the disc.
         let integral = 2.0 * std::f64::consts::PI * ((1.0 - edge) - 0.5 * edge * cut * cut);
+        Self::with_edge(cut, edge, (1.0 - edge) / integral)
+    }
+
+    /// The Gaussian as it is within `cut` standard deviations, and nothing beyond (zwicker2001 section 6).
+    pub fn raw(cut: f64) -> Self {
+        Self::with_edge(cut, 0.0, 1.0 / (2.0 * std::f64::consts::PI))
+    }
+
+    fn with_edge(cut: f64, edge: f64, peak: f64) -> Self {
         let cells = (2.0 * cut * f64::from(RESOLUTION)).ceil() as usize;
         let inside = normal::mass_within(cut);
         let node = |i: usize| {
@@ -133,7 +143,8 @@ impl GaussianProfile {
         };
         Self {
             cut: cut as f32,
-            peak: ((1.0 - edge) / integral) as f32,
+            cut_squared: (cut * cut) as f32,
+            peak: peak as f32,
             edge: edge as f32,
             scale: (1.0 / (1.0 - edge)) as f32,
             line: ((2.0 * std::f64::consts::PI).sqrt() * inside) as f32,
@@ -165,6 +176,9 @@ impl Profile for GaussianProfile {
 
     #[inline(always)]
     fn whole(&self, squared: f32) -> f32 {
+        if squared >= self.cut_squared {
+            return 0.0;
+        }
         ((libm::expf(-0.5 * squared) - self.edge) * self.scale).max(0.0)
     }
 
@@ -219,7 +233,12 @@ impl Profile for GaussianProfile {
                 p = p * r + coefficient;
             }
             let power = f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 23));
-            *value = ((power - self.edge) * self.scale).max(0.0);
+            let inside = *value < self.cut_squared;
+            *value = if inside {
+                ((power - self.edge) * self.scale).max(0.0)
+            } else {
+                0.0
+            };
         }
     }
 }
@@ -247,6 +266,34 @@ mod tests {
             assert!(profile.whole((cut * cut) as f32) < 1e-6);
             assert_eq!(profile.whole(1000.0), 0.0);
         }
+    }
+
+    /// zwicker2001 section 6 evaluates the Gaussian where `r^2 < c`, here 4, and nothing beyond. Integrated over the disc
+    /// in polar coordinates it has the mass `1 - exp(-2)` and the width `sqrt(1 - 2 exp(-2) / (1 - exp(-2)))` of its own.
+    #[test]
+    fn the_raw_cut_is_as_high_and_as_wide_as_the_paper_s() {
+        let profile = GaussianProfile::raw(2.0);
+        let steps = 20_000;
+        let (mut mass, mut second) = (0.0, 0.0);
+        for i in 0..steps {
+            let r = 2.5 * (f64::from(i) + 0.5) / f64::from(steps);
+            let mut row = [(r * r) as f32];
+            let ring = 2.0 * std::f64::consts::PI * r * 2.5 / f64::from(steps);
+            let height = f64::from(profile.whole(row[0])) * f64::from(profile.peak());
+            profile.whole_row(&mut row);
+            let of_row = f64::from(row[0]) * f64::from(profile.peak());
+            assert!((height - of_row).abs() < 1e-6, "{r}: {height} {of_row}");
+            mass += height * ring;
+            second += 0.5 * r * r * height * ring;
+        }
+        let lost = (-2.0_f64).exp();
+        let width = (second / mass).sqrt();
+        assert!((mass - (1.0 - lost)).abs() < 1e-4, "{mass}");
+        assert!(
+            (width - (1.0 - 2.0 * lost / (1.0 - lost)).sqrt()).abs() < 1e-4,
+            "{width}"
+        );
+        assert!((width - 0.829).abs() < 5e-4, "{width}");
     }
 
     #[test]

@@ -23,17 +23,13 @@ pub(super) fn check(
         })
     };
     let perspective = matches!(camera.projection(), Projection::Perspective { .. });
-    let circles = matches!(
-        splats.rasterizer,
-        Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. }
-    );
     if splats.rasterizer.has_table() && perspective && splats.alignment == Alignment::Exact {
         return refuse(
             "auto: alignment exact integrates along every pixel's own ray, which leaves no conic to look up; \
              or alignment affine or grid",
         );
     }
-    if !circles {
+    if !splats.rasterizer.draws_circles() {
         return Ok(());
     }
     if perspective && splats.alignment != Alignment::Grid {

@@ -14,7 +14,12 @@ pub(crate) struct Finished {
     blocks: Vec<u32>,
     /// `sums[y][x]`: finished pixels above and left of x, y; one column and row more than pixels.
     sums: Vec<u32>,
-    /// First row that changed since the sums were made.
+    /// Pixels around which a box of the size `window` is finished.
+    windows: Vec<bool>,
+    window: [usize; 2],
+    /// Largest size of a splat so far: the next window.
+    largest: [usize; 2],
+    /// First row that changed since the sums or windows were made.
     stale: usize,
 }
 
@@ -38,6 +43,11 @@ impl Finished {
         if kind == Occlusion::Sat {
             self.sums.resize((width + 1) * (height + 1), 0);
         }
+        self.windows.clear();
+        if kind == Occlusion::Box {
+            self.windows.resize(width * height, false);
+        }
+        (self.window, self.largest) = ([0; 2], [0; 2]);
         self.stale = height;
     }
 
@@ -64,12 +74,27 @@ impl Finished {
         self.left == 0
     }
 
-    /// Updates the summed-area table; does nothing where it is not used. Rows above the first changed one keep
-    /// their sums.
+    /// Notes the size of a splat, pixels.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, [width, height]: [usize; 2]) {
+        self.largest = [self.largest[0].max(width), self.largest[1].max(height)];
+    }
+
+    /// Updates what is queried; does nothing where nothing changed.
     pub(crate) fn refresh(&mut self) {
-        if self.kind != Occlusion::Sat || self.stale >= self.height {
+        if self.stale >= self.height {
             return;
         }
+        match self.kind {
+            Occlusion::Sat => self.sum(),
+            Occlusion::Box => self.convolve(),
+            Occlusion::None | Occlusion::Auto => {}
+        }
+        self.stale = self.height;
+    }
+
+    /// Updates the summed-area table. Rows above the first changed one keep their sums.
+    fn sum(&mut self) {
         let pitch = self.width + 1;
         for y in self.stale..self.height {
             let (above, below) = self.sums.split_at_mut((y + 1) * pitch);
@@ -81,7 +106,30 @@ impl Finished {
                 below[x + 1] = above[x + 1] + sum;
             }
         }
-        self.stale = self.height;
+    }
+
+    /// Convolves the finished pixels with a box as large as the largest splat so far, by rows and then by columns. A box that
+    /// reaches beyond the picture counts what is within.
+    fn convolve(&mut self) {
+        let Self { width, height, .. } = *self;
+        // Odd, so that a box has a centre.
+        self.window = self.largest.map(|size| size | 1);
+        let [across, down] = self.window.map(|size| size / 2);
+        let around =
+            |at: usize, half: usize, count: usize| at.saturating_sub(half)..(at + half + 1).min(count);
+        let mut rows = vec![false; width * height];
+        for y in 0..height {
+            let pixels = &self.pixels[y * width..(y + 1) * width];
+            for (x, row) in rows[y * width..(y + 1) * width].iter_mut().enumerate() {
+                *row = pixels[around(x, across, width)].iter().all(|&finished| finished);
+            }
+        }
+        for y in 0..height {
+            for x in 0..width {
+                let all = around(y, down, height).all(|row| rows[row * width + x]);
+                self.windows[y * width + x] = all;
+            }
+        }
     }
 
     /// Whether all pixels from x0, y0 to x1, y1 (excluded) are known to be finished.
@@ -94,6 +142,13 @@ impl Finished {
                 let sum = |x: usize, y: usize| self.sums[y * (self.width + 1) + x];
                 let count = sum(x1, y1) + sum(x0, y0) - sum(x0, y1) - sum(x1, y0);
                 count as usize == (x1 - x0) * (y1 - y0)
+            }
+            Occlusion::Box => {
+                let fits = x1 - x0 <= self.window[0] && y1 - y0 <= self.window[1];
+                // The middle pixel: a window around it reaches as far as the area does on either side.
+                let (x, y) = ((x0 + x1 - 1) / 2, (y0 + y1 - 1) / 2);
+                let reaches = x1 - x <= self.window[0].div_ceil(2) && y1 - y <= self.window[1].div_ceil(2);
+                fits && reaches && self.windows[y * self.width + x]
             }
         }
     }
@@ -129,6 +184,31 @@ mod tests {
         finished.refresh();
         assert!(finished.hide([2, 4, 12, 5]));
         assert!(!finished.all());
+    }
+
+    /// A box as large as the largest splat hides what fits into it, and never what a single unfinished pixel is in.
+    #[test]
+    fn the_box_hides_only_what_is_finished() {
+        let mut finished = Finished::default();
+        finished.reset(Occlusion::Box, 19, 11);
+        finished.note([4, 3]);
+        for y in 2..9 {
+            for x in 3..15 {
+                finished.finish(x, y);
+            }
+        }
+        assert!(!finished.hide([6, 4, 9, 6]), "not refreshed yet");
+        finished.refresh();
+        assert!(finished.hide([6, 4, 9, 6]));
+        assert!(finished.hide([5, 3, 9, 6]));
+        assert!(!finished.hide([5, 3, 11, 6]), "larger than the box");
+        let inside = |[x0, y0, x1, y1]: [usize; 4]| x0 >= 3 && x1 <= 15 && y0 >= 2 && y1 <= 9;
+        for (x0, y0) in (0..15).flat_map(|x0| (0..8).map(move |y0| (x0, y0))) {
+            for (width, height) in (1..5).flat_map(|width| (1..4).map(move |height| (width, height))) {
+                let area = [x0, y0, x0 + width, y0 + height];
+                assert!(!finished.hide(area) || inside(area), "{area:?}");
+            }
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::clock::Instant;
 use splatvol_core::splats::{CameraView, Profile, Projection, SplatCloud};
-use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatCompositing, SplatSettings};
+use splatvol_scene::{Camera, MotionBlur, RenderSettings, SplatCompositing, SplatSettings};
 
 use super::cloud::splats_values;
 use super::order::{Order, extent};
@@ -86,7 +86,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         let order = Order::new(settings, cloud, &view, &corners, reach);
         let of_values = splats_values(settings);
         let apron = usize::from(of_values);
-        let edge = if settings.method.occlusion == Occlusion::Sat {
+        let edge = if settings.method.occlusion.is_of_whole_picture() {
             settings.size.width().max(settings.size.height()) as usize
         } else {
             TILE_EDGE

@@ -2,14 +2,15 @@
 //! classification").
 //!
 //! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals:
-//! W is the length of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its
-//! optical depth `kappa(S / W) W`. The gradient comes from central differences between neighbouring pixels and
+//! W is the length of the ray's path through the volume within the sheet. As a *mean* a pixel's value is `S / W` and its
+//! optical depth `kappa(S / W) W`; as a *sum*, the paper's, they are `S / l` and `kappa(S / l) l`, with l the length of the
+//! ray's path through the whole sheet, so that voxels without splats are zeros. The gradient comes from central differences between neighbouring pixels and
 //! between the sheets before and behind.
 
 use std::sync::atomic::AtomicBool;
 
 use splatvol_core::splats::Profile;
-use splatvol_scene::Absorption;
+use splatvol_scene::{Absorption, SheetValues};
 
 use super::order::Order;
 use super::raster::Target;
@@ -118,6 +119,7 @@ impl<P: Profile> Tile<'_, P> {
             size: [splatted.x1 - splatted.x0, splatted.y1 - splatted.y0],
             least: FADED * thickness,
             thickness,
+            values: plan.settings.method.sheet_values,
             per_pixel: 1.0 / plan.view.screen.scale_at(f64::from(depth)) as f32,
         };
         let (first, end) = (x0 + splatted.x0, x1 + splatted.x0);
@@ -125,19 +127,21 @@ impl<P: Profile> Tile<'_, P> {
             for px in first.max(own.x0)..end.min(own.x1) {
                 let (x, y) = (px - own.x0, py - own.y0);
                 let at = [px - splatted.x0, py - splatted.y0];
-                let path = stencil.sheets[1].pixel(at[0], at[1])[1];
-                if finished.is(x, y) || path <= stencil.least {
+                if finished.is(x, y) {
                     continue;
                 }
-                let value = stencil.value(1, at).unwrap_or_default();
+                let ray = plan.ray([px, py]);
+                let whole = thickness * plan.projection.path_per_depth(ray, depth);
+                let Some([value, path]) = stencil.value_and_path(1, at, whole) else {
+                    continue;
+                };
                 let [extinction, emission @ ..] = table.at(value);
                 if extinction <= 0.0 {
                     continue;
                 }
                 let mut color = emission.map(|e| e / extinction);
                 if let Some(phong) = phong {
-                    let ray = plan.ray([px, py]);
-                    let lit = phong.at(stencil.gradient(at, value, ray));
+                    let lit = phong.at(stencil.gradient(at, value, ray, whole));
                     color = color.map(|c| c * lit.diffuse + lit.specular);
                 }
                 let pixel = &mut pixels[y * width + x];
@@ -161,25 +165,50 @@ struct Stencil<'a> {
     /// Least path length at which a pixel has a value.
     least: f32,
     thickness: f32,
+    values: SheetValues,
     /// World length between pixels.
     per_pixel: f32,
 }
 
 impl Stencil<'_> {
+    /// The value of a pixel and the length of the path that it stands for; `None` where no splat is. `whole`: the length of
+    /// the ray's path through the sheet.
     #[inline(always)]
-    fn value(&self, sheet: usize, [x, y]: [usize; 2]) -> Option<f32> {
+    fn value_and_path(&self, sheet: usize, [x, y]: [usize; 2], whole: f32) -> Option<[f32; 2]> {
         let &[sum, path] = self.sheets[sheet].pixel(x, y);
-        (path > self.least).then(|| sum / path)
+        (path > self.least).then(|| {
+            let path = match self.values {
+                SheetValues::Mean => path,
+                SheetValues::Sum => whole,
+            };
+            [sum / path, path]
+        })
+    }
+
+    /// The value of a neighbour; `None` where it is missing. Neighbouring rays' paths are taken to be as long as this one's.
+    #[inline(always)]
+    fn neighbour(&self, sheet: usize, at: [usize; 2], whole: f32) -> Option<f32> {
+        let found = self.value_and_path(sheet, at, whole).map(|[value, _]| value);
+        match self.values {
+            SheetValues::Mean => found,
+            SheetValues::Sum => Some(found.unwrap_or(0.0)),
+        }
     }
 
     /// Gradient in camera space, per world length. A missing neighbour is replaced by the pixel itself.
     #[inline(always)]
-    fn gradient(&self, [x, y]: [usize; 2], here: f32, ray: [f32; 2]) -> [f32; 3] {
+    fn gradient(&self, [x, y]: [usize; 2], here: f32, ray: [f32; 2], whole: f32) -> [f32; 3] {
         let rise = |before: Option<f32>, after: Option<f32>, step: f32| {
             let steps = f32::from(u8::from(before.is_some()) + u8::from(after.is_some())).max(1.0);
             (after.unwrap_or(here) - before.unwrap_or(here)) / (steps * step)
         };
-        let beside = |inside: bool, at: [usize; 2]| if inside { self.value(1, at) } else { None };
+        let beside = |inside: bool, at: [usize; 2]| {
+            if inside {
+                self.neighbour(1, at, whole)
+            } else {
+                None
+            }
+        };
         let across = rise(
             beside(x > 0, [x.wrapping_sub(1), y]),
             beside(x + 1 < self.size[0], [x + 1, y]),
@@ -190,7 +219,11 @@ impl Stencil<'_> {
             beside(y + 1 < self.size[1], [x, y + 1]),
             self.per_pixel,
         );
-        let along = rise(self.value(0, [x, y]), self.value(2, [x, y]), self.thickness);
+        let along = rise(
+            self.neighbour(0, [x, y], whole),
+            self.neighbour(2, [x, y], whole),
+            self.thickness,
+        );
         [across, down, along - ray[0] * across - ray[1] * down]
     }
 }

@@ -2,7 +2,7 @@
 
 use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
 use splatvol_scene::{
-    Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError, SplatSettings, TableLayout,
+    Kernel, KernelEdge, Rasterizer, Reconstruction, RenderSettings, SceneError, SplatSettings, TableLayout,
 };
 
 use super::raster::Tables;
@@ -22,7 +22,7 @@ enum Prepared {
     Radial(RadialProfile, Option<Tables>),
 }
 
-type Key = (Kernel, Rasterizer, TableLayout);
+type Key = (Kernel, KernelEdge, Rasterizer, TableLayout);
 
 /// The last frame's kernel.
 #[derive(Debug)]
@@ -36,7 +36,12 @@ impl Default for ProfileStore {
         let kernel = Kernel::default();
         let (sigma, radius) = kernel.gaussian().unwrap_or((1.0, 4.0));
         Self {
-            key: (kernel, Rasterizer::Auto, TableLayout::default()),
+            key: (
+                kernel,
+                KernelEdge::default(),
+                Rasterizer::Auto,
+                TableLayout::default(),
+            ),
             prepared: Prepared::Gaussian(GaussianProfile::new(radius / sigma)),
         }
     }
@@ -50,6 +55,7 @@ impl ProfileStore {
     pub(crate) fn prepare(&mut self, settings: &RenderSettings<SplatSettings>) -> Result<(), SceneError> {
         let key = (
             settings.method.kernel,
+            settings.method.kernel_edge,
             settings.method.rasterizer,
             settings.method.table,
         );
@@ -58,7 +64,10 @@ impl ProfileStore {
         }
         self.prepared = match (settings.method.kernel.gaussian(), settings.method.rasterizer) {
             (Some((sigma, radius)), Rasterizer::Auto) => {
-                Prepared::Gaussian(GaussianProfile::new(radius / sigma))
+                Prepared::Gaussian(match settings.method.kernel_edge {
+                    KernelEdge::Smooth => GaussianProfile::new(radius / sigma),
+                    KernelEdge::Raw => GaussianProfile::raw(radius / sigma),
+                })
             }
             (_, rasterizer) => Prepared::Radial(
                 RadialProfile::new(settings.method.kernel),

@@ -270,6 +270,7 @@ impl<P: Profile> Tile<'_, P> {
         }
         let area = self.brush.area(&footprint)?;
         self.work.splats += 1;
+        self.scratch.finished.note([area[2] - area[0], area[3] - area[1]]);
         let splatted = &self.brush.rect;
         let near = [
             (area[0] + splatted.x0) as f32,
@@ -493,7 +494,7 @@ impl Over<'_> {
 impl Target for Over<'_> {
     #[inline(always)]
     fn row(&mut self, (x, y): (usize, usize), weights: &[f32]) {
-        // Where only its opacity falls as it grows, a splat is as dense as if it had not grown.
+        // Where only its opacity falls as it grows or moves, a splat is as dense as if it had not.
         let density = self.extinction / self.footprint.opacity;
         for (i, weight) in weights.iter().enumerate() {
             if *weight <= 0.0 || self.finished.is(x + i, y) {

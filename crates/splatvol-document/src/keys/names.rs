@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use splatvol_scene::{
-    Absorption, Classification, Compositing, GaussianMode, Gradient, Occlusion, SheetContent, Stretch, Stuff,
-    TablePrecision, View,
+    Absorption, Classification, Compositing, GaussianMode, Gradient, KernelEdge, Occlusion, SheetContent,
+    SheetValues, Stretch, Stuff, TablePrecision, View,
 };
 
 /// Defines names.
@@ -185,6 +185,8 @@ names! {
         Ray,
         /// As exact, with kernels stretched across the ray through the centre
         RayIdeal,
+        /// As ray before --alignment-switch, as grid behind it
+        Switch,
         /// As affine where that is within --alignment-budget, as exact elsewhere
         Auto,
     }
@@ -197,6 +199,26 @@ scene_names! {
         Box as Box,
         /// Each depth by what it needs; needs --alignment exact
         Trapezoid as Trapezoid,
+    }
+}
+
+scene_names! {
+    /// The edge of a Gaussian kernel's footprint.
+    KernelEdgeName as KernelEdge {
+        /// Lowered to nothing, and the mass kept
+        Smooth as Smooth,
+        /// A step, as in zwicker2001
+        Raw as Raw,
+    }
+}
+
+scene_names! {
+    /// The value of a pixel on a sheet of sections.
+    SheetValuesName as SheetValues {
+        /// Of the kernels that reach the pixel, however few
+        Mean as Mean,
+        /// What has no splat is zero, as in huang2000
+        Sum as Sum,
     }
 }
 
@@ -219,6 +241,8 @@ scene_names! {
         None as None,
         /// By a summed-area table of the picture (FastSplats)
         Sat as Sat,
+        /// By a convolution of the picture with a box as large as a splat
+        Box as Box,
     }
 }
 
@@ -249,6 +273,8 @@ names! {
         Rlut,
         /// Whole footprints drawn beforehand; centres and radii are rounded; circles only
         Blit2d = "blit-2d",
+        /// As blit-2d up to --blit-radius, as square-1d above; circles
+        Hybrid,
     }
 }
 

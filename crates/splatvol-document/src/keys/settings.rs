@@ -3,8 +3,8 @@
 use super::keys;
 use super::names::{
     AbsorptionName, AlignmentName, ClassificationName, CompositingName, CoverageName, FilterName,
-    GaussianModeName, GradientName, KernelName, OcclusionName, PrecisionName, PresetName, RasterizerName,
-    ReconstructionName, SheetName, StretchName,
+    GaussianModeName, GradientName, KernelEdgeName, KernelName, OcclusionName, PrecisionName, PresetName,
+    RasterizerName, ReconstructionName, SheetName, SheetValuesName, StretchName,
 };
 
 keys! {
@@ -44,16 +44,23 @@ keys! {
         kernel_radius: f64,
         /// Shape of the Kaiser-Bessel kernel, broad at 0.
         kernel_alpha: f64,
+        /// The edge of the Gaussian kernel's footprint, where it is cut.
+        kernel_edge: KernelEdgeName,
         /// Whether the reconstruction interpolates the samples, or smooths them.
         prefilter: bool,
         /// Contribution of a kernel to a sheet.
         sheet: SheetName,
+        /// The value of a pixel on a sheet of sections.
+        sheet_values: SheetValuesName,
         /// How light is lost on its way through material.
         absorption: AbsorptionName,
         /// Along which lines a kernel is integrated to its footprint.
         alignment: AlignmentName,
         /// Largest error of a footprint with `alignment = "auto"`, share of its peak.
         alignment_budget: f64,
+        /// Distance of the depth where `alignment = "switch"` switches behind that from which voxels are less than a pixel
+        /// apart, mean voxel spacings.
+        alignment_switch: f64,
         /// How the filter `swan` stretches kernels.
         stretch: StretchName,
         /// How hidden voxels are found and left out.
@@ -72,8 +79,10 @@ keys! {
         table_precision: PrecisionName,
         /// Parts into which a table cuts the kernel along depth, 1 to 128.
         table_sections: u32,
-        /// Places per pixel and axis that centres are rounded to by `rlut` and `blit-2d`.
+        /// Places per pixel and axis that centres are rounded to by `rlut`, `blit-2d` and `hybrid`.
         subpixels: u32,
+        /// Largest radius of a footprint that `hybrid` draws as `blit-2d`, pixels, 1 to 64.
+        blit_radius: u32,
         /// Least and greatest value of voxels that are splatted.
         extract_density: [f64; 2],
         /// Least gradient of voxels that are splatted, value ranges per voxel.

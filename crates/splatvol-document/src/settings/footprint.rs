@@ -1,6 +1,9 @@
 //! The settings of footprints.
 
-use splatvol_scene::{Alignment, Classification, FlatSettings, Reconstruction, SheetContent};
+use splatvol_scene::{
+    Alignment, Classification, FlatSettings, KernelEdge, Rasterizer, Reconstruction, SheetContent,
+    SheetValues,
+};
 
 use crate::DocumentError;
 use crate::keys::SettingKeys;
@@ -17,9 +20,19 @@ pub(super) fn set(keys: &SettingKeys, settings: &mut FlatSettings) -> Result<(),
     set_named(&mut settings.absorption, keys.absorption);
     set_named(&mut settings.occlusion, keys.occlusion);
     set_named(&mut settings.stretch, keys.stretch);
+    set_named(&mut settings.sheet_values, keys.sheet_values);
+    set_named(&mut settings.kernel_edge, keys.kernel_edge);
+    if keys.kernel_edge.is_none() && !has_edge(settings) {
+        settings.kernel_edge = KernelEdge::Smooth;
+    }
     settings.alignment = alignment(keys, settings.alignment)?;
     settings.reconstruction = reconstruction(keys, settings.reconstruction)?;
     Ok(())
+}
+
+/// Whether footprints have an edge of their own: those of other kernels, and those in tables, end as the kernel does.
+fn has_edge(settings: &FlatSettings) -> bool {
+    settings.kernel.gaussian().is_some() && settings.rasterizer == Rasterizer::Auto
 }
 
 fn alignment(keys: &SettingKeys, old: Alignment) -> Result<Alignment, DocumentError> {
@@ -30,16 +43,22 @@ fn alignment(keys: &SettingKeys, old: Alignment) -> Result<Alignment, DocumentEr
         Some(AlignmentName::Grid) => Alignment::Grid,
         Some(AlignmentName::Ray) => Alignment::Ray,
         Some(AlignmentName::RayIdeal) => Alignment::RayIdeal,
+        Some(AlignmentName::Switch) if matches!(old, Alignment::Switch { .. }) => old,
+        Some(AlignmentName::Switch) => Alignment::SWITCH,
         Some(AlignmentName::Auto) if matches!(old, Alignment::Auto { .. }) => old,
         Some(AlignmentName::Auto) => Alignment::AUTO,
         None => old,
     };
-    match (named, keys.alignment_budget) {
-        (Alignment::Auto { .. }, Some(budget)) => Ok(Alignment::Auto { budget }),
-        (_, Some(_)) => Err(DocumentError::usage(
+    match (named, keys.alignment_budget, keys.alignment_switch) {
+        (Alignment::Auto { .. }, Some(budget), None) => Ok(Alignment::Auto { budget }),
+        (Alignment::Switch { .. }, None, Some(behind)) => Ok(Alignment::Switch { behind }),
+        (_, Some(_), _) => Err(DocumentError::usage(
             "`settings.alignment-budget` needs `settings.alignment` auto",
         )),
-        (_, None) => Ok(named),
+        (_, _, Some(_)) => Err(DocumentError::usage(
+            "`settings.alignment-switch` needs `settings.alignment` switch",
+        )),
+        (_, None, None) => Ok(named),
     }
 }
 
@@ -77,6 +96,9 @@ pub(super) fn complete(keys: &SettingKeys, settings: &mut FlatSettings, is_free:
     let colors = settings.compositing.needs_colors() || settings.reconstruction != Reconstruction::Volume;
     if is_free && colors {
         settings.classification = Classification::Pre;
+    }
+    if keys.sheet_values.is_none() && settings.extraction.is_some() {
+        settings.sheet_values = SheetValues::Sum;
     }
     if let Some(name) = keys.sheet {
         settings.sheet = Some(name.into());

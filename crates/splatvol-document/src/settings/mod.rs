@@ -58,8 +58,8 @@ impl SettingKeys {
         }
         settings.prefilter = self.prefilter.unwrap_or(settings.prefilter && interpolates);
         settings.lighting = self.lighting(settings.lighting);
-        footprint::set(self, &mut settings)?;
         table::set(self, &mut settings)?;
+        footprint::set(self, &mut settings)?;
         footprint::complete(self, &mut settings, self.classification.is_none());
         let settings = RenderSettings::try_from(settings)?;
         settings.validate()?;

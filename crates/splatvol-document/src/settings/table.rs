@@ -10,6 +10,10 @@ use crate::settings::set_named;
 /// Cells per pixel unless asked otherwise: the paper's.
 const RLUT_CELLS: u32 = 10;
 const BLIT_CELLS: u32 = 2;
+/// The finest grid: small footprints take little memory.
+const HYBRID_CELLS: u32 = 8;
+/// Radius up to which `hybrid` copies footprints, pixels.
+const BLIT_RADIUS: u32 = 4;
 
 /// Sets what the keys ask for.
 pub(super) fn set(keys: &SettingKeys, settings: &mut FlatSettings) -> Result<(), DocumentError> {
@@ -48,15 +52,31 @@ fn rasterizer(keys: &SettingKeys, old: Rasterizer) -> Result<Rasterizer, Documen
         Some(RasterizerName::Blit2d) => Rasterizer::Blit2d {
             subpixels: BLIT_CELLS,
         },
+        Some(RasterizerName::Hybrid) => Rasterizer::Hybrid {
+            subpixels: HYBRID_CELLS,
+            radius: BLIT_RADIUS,
+        },
     };
-    let Some(subpixels) = keys.subpixels else {
-        return Ok(named);
-    };
+    if keys.blit_radius.is_some() && !matches!(named, Rasterizer::Hybrid { .. }) {
+        return Err(DocumentError::usage(
+            "`settings.blit-radius` needs `settings.rasterizer` hybrid",
+        ));
+    }
+    let cells = |old: u32| keys.subpixels.unwrap_or(old);
     match named {
-        Rasterizer::Rlut { .. } => Ok(Rasterizer::Rlut { subpixels }),
-        Rasterizer::Blit2d { .. } => Ok(Rasterizer::Blit2d { subpixels }),
+        Rasterizer::Rlut { subpixels } => Ok(Rasterizer::Rlut {
+            subpixels: cells(subpixels),
+        }),
+        Rasterizer::Blit2d { subpixels } => Ok(Rasterizer::Blit2d {
+            subpixels: cells(subpixels),
+        }),
+        Rasterizer::Hybrid { subpixels, radius } => Ok(Rasterizer::Hybrid {
+            subpixels: cells(subpixels),
+            radius: keys.blit_radius.unwrap_or(radius),
+        }),
+        named if keys.subpixels.is_none() => Ok(named),
         _ => Err(DocumentError::usage(
-            "`settings.subpixels` needs `settings.rasterizer` rlut or blit-2d",
+            "`settings.subpixels` needs `settings.rasterizer` rlut, blit-2d or hybrid",
         )),
     }
 }

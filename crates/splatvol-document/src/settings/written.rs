@@ -22,8 +22,10 @@ pub fn written(settings: &FlatSettings) -> SettingKeys {
         termination: Some(settings.termination),
         prefilter: Some(settings.prefilter),
         sheet: settings.sheet.map(Into::into),
+        sheet_values: Some(settings.sheet_values.into()),
         absorption: Some(settings.absorption.into()),
         stretch: Some(settings.stretch.into()),
+        kernel_edge: Some(settings.kernel_edge.into()),
         occlusion: Some(settings.occlusion.into()),
         extract_density: settings.extraction.and_then(|extraction| extraction.density),
         extract_gradient: settings.extraction.map(|extraction| extraction.gradient),
@@ -84,14 +86,15 @@ fn with_kernel(keys: SettingKeys, kernel: Kernel) -> SettingKeys {
 }
 
 fn with_footprints(keys: SettingKeys, settings: &FlatSettings) -> SettingKeys {
-    let (alignment, alignment_budget) = match settings.alignment {
-        Alignment::Sheet => (AlignmentName::Sheet, None),
-        Alignment::Affine => (AlignmentName::Affine, None),
-        Alignment::Exact => (AlignmentName::Exact, None),
-        Alignment::Grid => (AlignmentName::Grid, None),
-        Alignment::Ray => (AlignmentName::Ray, None),
-        Alignment::RayIdeal => (AlignmentName::RayIdeal, None),
-        Alignment::Auto { budget } => (AlignmentName::Auto, Some(budget)),
+    let (alignment, alignment_budget, alignment_switch) = match settings.alignment {
+        Alignment::Sheet => (AlignmentName::Sheet, None, None),
+        Alignment::Affine => (AlignmentName::Affine, None, None),
+        Alignment::Exact => (AlignmentName::Exact, None, None),
+        Alignment::Grid => (AlignmentName::Grid, None, None),
+        Alignment::Ray => (AlignmentName::Ray, None, None),
+        Alignment::RayIdeal => (AlignmentName::RayIdeal, None, None),
+        Alignment::Switch { behind } => (AlignmentName::Switch, None, Some(behind)),
+        Alignment::Auto { budget } => (AlignmentName::Auto, Some(budget), None),
     };
     let (reconstruction, flatness, surface_gradient) = match settings.reconstruction {
         Reconstruction::Volume => (ReconstructionName::Volume, None, None),
@@ -100,23 +103,26 @@ fn with_footprints(keys: SettingKeys, settings: &FlatSettings) -> SettingKeys {
             (ReconstructionName::Mixed, Some(flatness), Some(gradient))
         }
     };
-    let (rasterizer, subpixels) = match settings.rasterizer {
-        Rasterizer::Auto => (RasterizerName::Auto, None),
-        Rasterizer::Linear1d => (RasterizerName::Linear1d, None),
-        Rasterizer::Square1d => (RasterizerName::Square1d, None),
-        Rasterizer::Ellipse1d => (RasterizerName::Ellipse1d, None),
-        Rasterizer::Rlut { subpixels } => (RasterizerName::Rlut, Some(subpixels)),
-        Rasterizer::Blit2d { subpixels } => (RasterizerName::Blit2d, Some(subpixels)),
+    let (rasterizer, subpixels, blit_radius) = match settings.rasterizer {
+        Rasterizer::Auto => (RasterizerName::Auto, None, None),
+        Rasterizer::Linear1d => (RasterizerName::Linear1d, None, None),
+        Rasterizer::Square1d => (RasterizerName::Square1d, None, None),
+        Rasterizer::Ellipse1d => (RasterizerName::Ellipse1d, None, None),
+        Rasterizer::Rlut { subpixels } => (RasterizerName::Rlut, Some(subpixels), None),
+        Rasterizer::Blit2d { subpixels } => (RasterizerName::Blit2d, Some(subpixels), None),
+        Rasterizer::Hybrid { subpixels, radius } => (RasterizerName::Hybrid, Some(subpixels), Some(radius)),
     };
     let table = Some(settings.table).filter(|_| settings.rasterizer.has_table());
     SettingKeys {
         alignment: Some(alignment),
         alignment_budget,
+        alignment_switch,
         reconstruction: Some(reconstruction),
         flatness,
         surface_gradient,
         rasterizer: Some(rasterizer),
         subpixels,
+        blit_radius,
         table_entries: table.map(|table| table.entries),
         table_precision: table.map(|table| table.precision.into()),
         table_sections: table.map(|table| table.sections),

@@ -115,12 +115,17 @@ class RenderOptions(TypedDict, total=False):
     """Enlargement of the picture's middle."""
     absorption: Literal["exp", "linear"] | None
     """How light is lost on its way through material."""
-    alignment: Literal["sheet", "affine", "exact", "grid", "ray", "ray-ideal", "auto"] | None
+    alignment: Literal["sheet", "affine", "exact", "grid", "ray", "ray-ideal", "switch", "auto"] | None
     """Along which lines a kernel is integrated to its footprint."""
     alignment_budget: float | None
     """Largest error of a footprint with `alignment = "auto"`, share of its peak."""
+    alignment_switch: float | None
+    """Distance of the depth where `alignment = "switch"` switches behind that from which voxels are less than a pixel
+    apart, mean voxel spacings."""
     ambient: float | None
     """Share of the colour that needs no light."""
+    blit_radius: int | None
+    """Largest radius of a footprint that `hybrid` draws as `blit-2d`, pixels, 1 to 64."""
     classification: Literal["pre", "post"] | None
     """Whether colours are splatted, or data that get colours on each sheet."""
     compositing: Literal["image-sheets", "xray", "mip", "minip", "mean", "per-splat", "per-splat-back-to-front", "axis-sheets"] | None
@@ -151,13 +156,15 @@ class RenderOptions(TypedDict, total=False):
     """Reconstruction kernel."""
     kernel_alpha: float | None
     """Shape of the Kaiser-Bessel kernel, broad at 0."""
+    kernel_edge: Literal["smooth", "raw"] | None
+    """The edge of the Gaussian kernel's footprint, where it is cut."""
     kernel_radius: float | None
     """Cut-off of the Gaussian or Kaiser-Bessel kernel, voxels."""
     kernel_sigma: float | None
     """Standard deviation of the Gaussian kernel, voxels."""
     level_bias: float | None
     """Octaves by which the level of detail is coarser than the picture asks: 1 halves the resolution."""
-    occlusion: Literal["auto", "none", "sat"] | None
+    occlusion: Literal["auto", "none", "sat", "box"] | None
     """How hidden voxels are found and left out."""
     pixel_sigma: float | None
     """Standard deviation of the filters `ewa` and `matched`, pixels."""
@@ -165,7 +172,7 @@ class RenderOptions(TypedDict, total=False):
     """Whether the reconstruction interpolates the samples, or smooths them."""
     preset: Literal["best", "balanced", "fast", "draft", "swan1997", "mueller1998", "ewa2001", "fastsplats2000"] | None
     """Quality or speed; other keys go over it. `balanced` by default."""
-    rasterizer: Literal["auto", "linear-1d", "square-1d", "ellipse-1d", "rlut", "blit-2d"] | None
+    rasterizer: Literal["auto", "linear-1d", "square-1d", "ellipse-1d", "rlut", "blit-2d", "hybrid"] | None
     """How footprints are drawn."""
     reconstruction: Literal["volume", "surface", "mixed"] | None
     """Meaning of the kernels."""
@@ -175,6 +182,8 @@ class RenderOptions(TypedDict, total=False):
     """Contribution of a kernel to a sheet."""
     sheet_thickness: float | None
     """Thickness of a sheet, mean voxel spacings."""
+    sheet_values: Literal["mean", "sum"] | None
+    """The value of a pixel on a sheet of sections."""
     specular: float | None
     """Strength of the white highlight."""
     specular_power: float | None
@@ -182,7 +191,7 @@ class RenderOptions(TypedDict, total=False):
     stretch: Literal["box", "trapezoid"] | None
     """How the filter `swan` stretches kernels."""
     subpixels: int | None
-    """Places per pixel and axis that centres are rounded to by `rlut` and `blit-2d`."""
+    """Places per pixel and axis that centres are rounded to by `rlut`, `blit-2d` and `hybrid`."""
     surface_gradient: float | None
     """Least gradient of a surface, value ranges per voxel."""
     table_entries: int | None

@@ -10,8 +10,9 @@ use super::splats::ONLY_SWAN;
 use super::validate::DATA_IN_MOTION;
 use super::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, GaussianMode, Gradient,
-    Kernel, Method, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
-    SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings, Stretch, TableLayout,
+    Kernel, KernelEdge, Method, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,
+    SheetContent, SheetKernel, SheetSettings, SheetValues, Shows, SplatCompositing, SplatSettings, Stretch,
+    TableLayout,
 };
 use crate::{ImageSize, Lighting, SceneError};
 
@@ -30,6 +31,8 @@ pub struct FlatSettings {
     /// Contribution of a footprint to a sheet: sections require that footprints are drawn one by one; `None` chooses
     /// the one that suits the other settings.
     pub sheet: Option<SheetContent>,
+    /// The value of a pixel on a sheet of sections.
+    pub sheet_values: SheetValues,
     /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
@@ -60,6 +63,8 @@ pub struct FlatSettings {
     pub level_bias: f64,
     /// Reconstruction kernel.
     pub kernel: Kernel,
+    /// The edge of a Gaussian kernel's footprints.
+    pub kernel_edge: KernelEdge,
     /// Whether the reconstruction interpolates the samples, where data are splatted.
     pub prefilter: bool,
     /// Phong lighting; `None` shows the transfer function's colours as they are.
@@ -98,6 +103,7 @@ impl From<RenderSettings> for FlatSettings {
             },
             sheet_thickness: settings.method.sheet_thickness(),
             sheet: None,
+            sheet_values: parts.sheet_values,
             absorption: parts.absorption,
             filter: settings.method.filter(),
             coverage: settings.coverage,
@@ -113,6 +119,7 @@ impl From<RenderSettings> for FlatSettings {
             gradient: sheets.map_or(Gradient::Differences, |sheets| sheets.gradient),
             level_bias: sheets.map_or(0.0, |sheets| sheets.level_bias),
             kernel: settings.method.kernel(),
+            kernel_edge: parts.kernel_edge,
             prefilter: settings.method.prefilter(),
             lighting: settings.lighting,
             termination: settings.termination,
@@ -187,6 +194,8 @@ impl FlatSettings {
             || self.rasterizer != Rasterizer::Auto
             || self.extraction.is_some()
             || self.kernel.gaussian().is_none()
+            || self.kernel_edge != KernelEdge::Smooth
+            || self.sheet_values != SheetValues::Mean
     }
 
     /// The settings of sheets.
@@ -227,6 +236,7 @@ impl FlatSettings {
         Ok(SplatSettings {
             compositing: self.splat_compositing()?,
             sheet_thickness: self.sheet_thickness,
+            sheet_values: self.sheet_values,
             absorption: self.absorption,
             filter: self.filter,
             alignment: self.alignment,
@@ -237,6 +247,7 @@ impl FlatSettings {
             extraction: self.extraction,
             reconstruction: self.reconstruction,
             kernel: self.kernel,
+            kernel_edge: self.kernel_edge,
         })
     }
 

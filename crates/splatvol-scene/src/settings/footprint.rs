@@ -25,6 +25,12 @@ pub enum Alignment {
     /// Along each pixel's own ray; the swan filter stretches across the ray through the centre (mueller1998 table
     /// 1, row 3). The same as exact for any other filter.
     RayIdeal,
+    /// As [`Alignment::Ray`] before the depth `z_s`, as [`Alignment::Grid`] behind it, where rays are nearly parallel to the
+    /// axis and stretched kernels should not be turned away from it (mueller1998 section 4.2).
+    Switch {
+        /// Distance of `z_s` behind the depth `z_k` from which voxels are less than a pixel apart, mean voxel spacings.
+        behind: f64,
+    },
     /// Affine wherever that is good enough, exact otherwise: footprint by footprint.
     Auto {
         /// Largest error of a footprint that is good enough, share of its peak.
@@ -35,6 +41,9 @@ pub enum Alignment {
 impl Alignment {
     /// A footprint may err by one level of eight bits.
     pub const AUTO: Self = Self::Auto { budget: 1.0 / 256.0 };
+
+    /// `z_s = z_k + 70`: what mueller1998 found for 512 voxels and pixels along each axis and half an angle of 30 degrees.
+    pub const SWITCH: Self = Self::Switch { behind: 70.0 };
 }
 
 /// Rasterisation of footprints.
@@ -66,6 +75,14 @@ pub enum Rasterizer {
         /// Cells of that grid per pixel and axis, 1 to 8.
         subpixels: u32,
     },
+    /// As [`Rasterizer::Blit2d`] for small footprints, as [`Rasterizer::Square1d`] for others (section 7, future work).
+    /// Circles.
+    Hybrid {
+        /// Cells of the grid within the pixel, per axis, 1 to 8.
+        subpixels: u32,
+        /// Largest radius of a small footprint, pixels, 1 to 64.
+        radius: u32,
+    },
 }
 
 impl Rasterizer {
@@ -78,6 +95,7 @@ impl Rasterizer {
             Self::Ellipse1d => "ellipse-1d",
             Self::Rlut { .. } => "rlut",
             Self::Blit2d { .. } => "blit-2d",
+            Self::Hybrid { .. } => "hybrid",
         }
     }
 
@@ -86,10 +104,24 @@ impl Rasterizer {
         self != Self::Auto
     }
 
+    /// Whether it draws circles only, or ellipses along the pixels' axes at most.
+    pub fn draws_circles(self) -> bool {
+        match self {
+            Self::Square1d | Self::Rlut { .. } | Self::Blit2d { .. } | Self::Hybrid { .. } => true,
+            Self::Auto | Self::Linear1d | Self::Ellipse1d => false,
+        }
+    }
+
     pub(super) fn validate(self) -> Result<(), SceneError> {
+        if let Self::Hybrid { radius, .. } = self
+            && !(1..=64).contains(&radius)
+        {
+            return Err(SceneError::invalid("blit radius", radius, "1 to 64 pixels"));
+        }
         let (subpixels, most, expected) = match self {
             Self::Rlut { subpixels } => (subpixels, 128, "1 to 128 cells per pixel with rlut"),
             Self::Blit2d { subpixels } => (subpixels, 8, "1 to 8 cells per pixel with blit-2d"),
+            Self::Hybrid { subpixels, .. } => (subpixels, 8, "1 to 8 cells per pixel with hybrid"),
             _ => return Ok(()),
         };
         if (1..=most).contains(&subpixels) {
@@ -112,6 +144,16 @@ pub enum Occlusion {
     /// A summed-area table of finished pixels over the whole picture, queried for every brick and every splat
     /// (huang2000 section 4.1).
     Sat,
+    /// A convolution of the finished pixels of the whole picture with a box as large as a splat, queried at a splat's centre:
+    /// what huang2000 section 4.1 replaces, for comparison. Bricks and splats larger than the box are not hidden.
+    Box,
+}
+
+impl Occlusion {
+    /// Whether the finished pixels are those of the whole picture, rather than of a tile.
+    pub fn is_of_whole_picture(self) -> bool {
+        matches!(self, Self::Sat | Self::Box)
+    }
 }
 
 /// Whether the kernels reconstruct a volume or surfaces.

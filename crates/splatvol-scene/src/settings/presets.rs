@@ -2,9 +2,9 @@
 
 use super::filter::PIXEL_SIGMA;
 use super::{
-    Absorption, Alignment, Classification, Coverage, Filter, GaussianMode, Gradient, Kernel, MotionBlur,
-    Occlusion, PixelFilter, Rasterizer, RenderSettings, SheetKernel, SheetSettings, Shows, SplatCompositing,
-    SplatSettings,
+    Absorption, Alignment, Classification, Coverage, Filter, GaussianMode, Gradient, Kernel, KernelEdge,
+    MotionBlur, Occlusion, PixelFilter, Rasterizer, RenderSettings, SheetKernel, SheetSettings, SheetValues,
+    Shows, SplatCompositing, SplatSettings,
 };
 use crate::{ImageSize, Lighting};
 
@@ -113,13 +113,14 @@ impl RenderSettings {
 
     /// FastSplats as huang2000 measured them (section 6): classified splats on sheets a voxel apart, a Gaussian of
     /// radius 2 cut in 128 sections, and `square-1d` into tables of 128 entries of 8 bits. Opacities are not
-    /// attenuated within a sheet, and a summed-area table hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma
+    /// attenuated within a sheet, values of sheets are sums, and a summed-area table hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma
     /// 0.602, is the papers' kernel of that radius (mueller1998 section 4.3). Footprints lie parallel to the
     /// picture, so that they are circles.
     pub fn fastsplats2000() -> Self {
         let splats = SplatSettings {
             compositing: SplatCompositing::ImageSheets(Classification::Pre),
             sheet_thickness: 1.0,
+            sheet_values: SheetValues::Sum,
             absorption: Absorption::Linear,
             filter: Filter::None,
             alignment: Alignment::Grid,
@@ -152,7 +153,8 @@ impl RenderSettings {
     }
 
     /// zwicker2001: affine footprints of Gaussians as wide as a voxel, cut at two standard deviations, low-passed
-    /// by the identity, added up on slices of the grid (sections 4 and 6); `1 - x` in place of `exp(-x)` (eq. 4).
+    /// by the identity, added up on slices of the grid (sections 4 and 6); `1 - x` in place of `exp(-x)` (eq. 4). What
+    /// lies beyond the cut is left out, and nothing takes its place (section 6).
     pub fn ewa2001() -> Self {
         let splats = SplatSettings {
             compositing: SplatCompositing::AxisSheets,
@@ -163,6 +165,7 @@ impl RenderSettings {
                 sigma: 1.0,
                 radius: 2.0,
             },
+            kernel_edge: KernelEdge::Raw,
             ..SplatSettings::default()
         };
         Self::of(splats, EXACT_TERMINATION)

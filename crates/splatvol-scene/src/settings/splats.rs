@@ -1,8 +1,8 @@
 //! The methods of the papers: whole footprints, or sections of them, drawn and composited one by one.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Extraction, Filter, Kernel, Occlusion, Rasterizer,
-    Reconstruction, Stretch, TableLayout,
+    Absorption, Alignment, Classification, Compositing, Extraction, Filter, Kernel, KernelEdge, Occlusion,
+    Rasterizer, Reconstruction, SheetValues, Stretch, TableLayout,
 };
 use crate::SceneError;
 
@@ -13,6 +13,8 @@ pub struct SplatSettings {
     pub compositing: SplatCompositing,
     /// Thickness of image sheets, and twice the distance at which whole footprints begin, mean voxel spacings.
     pub sheet_thickness: f64,
+    /// The values of sheets of data.
+    pub sheet_values: SheetValues,
     /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
@@ -33,6 +35,8 @@ pub struct SplatSettings {
     pub reconstruction: Reconstruction,
     /// Reconstruction kernel.
     pub kernel: Kernel,
+    /// The edge of a Gaussian kernel.
+    pub kernel_edge: KernelEdge,
 }
 
 /// In which order footprints are composited.
@@ -79,6 +83,7 @@ impl Default for SplatSettings {
         Self {
             compositing: SplatCompositing::FrontToBack,
             sheet_thickness: 0.5,
+            sheet_values: SheetValues::default(),
             absorption: Absorption::default(),
             filter: Filter::default(),
             alignment: Alignment::default(),
@@ -89,6 +94,7 @@ impl Default for SplatSettings {
             extraction: None,
             reconstruction: Reconstruction::default(),
             kernel: Kernel::default(),
+            kernel_edge: KernelEdge::default(),
         }
     }
 }
@@ -131,7 +137,7 @@ impl SplatSettings {
             self.compositing,
             SplatCompositing::BackToFront | SplatCompositing::Xray
         );
-        if self.occlusion == Occlusion::Sat && has_no_front {
+        if self.occlusion.is_of_whole_picture() && has_no_front {
             return refuse(
                 "occlusion",
                 &self.occlusion,
@@ -147,6 +153,8 @@ impl SplatSettings {
             );
         }
         self.stretching()?;
+        self.edge()?;
+        self.zeros()?;
         self.rasterizer_suits_kernels()
     }
 
@@ -165,19 +173,43 @@ impl SplatSettings {
         Err(SceneError::invalid("stretch", self.stretch, reason))
     }
 
+    /// Refuses means of values where voxels without splats should be zeros.
+    fn zeros(&self) -> Result<(), SceneError> {
+        let data = self.compositing.classification() == Classification::Post;
+        if !data || self.extraction.is_none() || self.sheet_values == SheetValues::Sum {
+            return Ok(());
+        }
+        let reason =
+            "sum: voxels that are not extracted would not be zeros, but take the mean of those that are";
+        Err(SceneError::invalid("sheet values", self.sheet_values, reason))
+    }
+
+    /// Refuses an edge that the footprints would not have.
+    fn edge(&self) -> Result<(), SceneError> {
+        if self.kernel_edge == KernelEdge::Smooth {
+            return Ok(());
+        }
+        let reason = if self.kernel.gaussian().is_none() {
+            "smooth: only Gaussians are cut"
+        } else if self.rasterizer != Rasterizer::Auto {
+            "smooth: tables hold the line integrals of a kernel that is cut in space; evaluate footprints (auto)"
+        } else {
+            return Ok(());
+        };
+        Err(SceneError::invalid("kernel edge", self.kernel_edge, reason))
+    }
+
     /// Refuses rasterisers of circles if footprints are not circles, whatever the camera.
     fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
         let flattened = self.reconstruction != Reconstruction::Volume;
-        match self.rasterizer {
-            Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. } if flattened => {
-                Err(SceneError::invalid(
-                    "rasterizer",
-                    self.rasterizer.name(),
-                    "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
-                ))
-            }
-            _ => Ok(()),
+        if flattened && self.rasterizer.draws_circles() {
+            return Err(SceneError::invalid(
+                "rasterizer",
+                self.rasterizer.name(),
+                "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
+            ));
         }
+        Ok(())
     }
 }
 

@@ -126,6 +126,14 @@ impl SplatSettings {
                 "0 to 1 of a footprint's peak",
             )?;
         }
+        if let Alignment::Switch { behind } = self.alignment {
+            check(
+                "alignment switch",
+                behind,
+                0.0..=1e6,
+                "0 to 1000000 voxel spacings",
+            )?;
+        }
         self.kernel.validate()?;
         self.reconstruction.validate()?;
         self.combinations()?;
@@ -139,7 +147,8 @@ impl SplatSettings {
         if self.compositing.classification() == Classification::Post {
             return Err(DATA_IN_MOTION);
         }
-        if self.alignment == Alignment::Ray || self.stretch == Stretch::Trapezoid {
+        let across = matches!(self.alignment, Alignment::Ray | Alignment::Switch { .. });
+        if across || self.stretch == Stretch::Trapezoid {
             return Err(
                 "subframes: footprints across the ray through the centre, and trapezoids, have no closed form in motion",
             );

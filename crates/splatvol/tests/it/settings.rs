@@ -2,8 +2,9 @@
 
 use splatvol::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings, Kernel,
-    Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction, RenderSettings, SheetContent,
-    SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings, Stretch, TableLayout,
+    KernelEdge, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction, RenderSettings,
+    SheetContent, SheetKernel, SheetSettings, SheetValues, Shows, SplatCompositing, SplatSettings, Stretch,
+    TableLayout,
 };
 use splatvol_testing::Random;
 
@@ -95,6 +96,8 @@ fn splats(random: &mut Random) -> SplatSettings {
             random,
             &[Kernel::default(), Kernel::CrawfisMax, Kernel::KAISER_BESSEL],
         ),
+        sheet_values: pick(random, &[SheetValues::Mean, SheetValues::Sum]),
+        kernel_edge: pick(random, &[KernelEdge::Smooth, KernelEdge::Raw]),
         ..SplatSettings::default()
     }
 }

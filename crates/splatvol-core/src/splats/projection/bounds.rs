@@ -41,7 +41,7 @@ impl Projection<'_> {
             _ if !self.perspective => [projected(), None],
             Alignment::Sheet | Alignment::Affine | Alignment::Grid => [projected(), None],
             Alignment::Ray | Alignment::RayIdeal | Alignment::Exact => [None, met()],
-            Alignment::Auto { .. } => [projected(), met()],
+            Alignment::Switch { .. } | Alignment::Auto { .. } => [projected(), met()],
         };
         let [first, last] = areas
             .into_iter()

@@ -65,6 +65,8 @@ pub struct Projection<'a> {
     filter: Filter,
     alignment: Alignment,
     stretch: Stretch,
+    /// Camera depth from which footprints lie parallel to the picture, where the alignment switches.
+    switch: f64,
     perspective: bool,
     /// f in pixels (perspective) or m in pixels per world length (orthographic).
     scale: f64,
@@ -115,6 +117,10 @@ impl<'a> Projection<'a> {
             filter,
             alignment,
             stretch: Stretch::Box,
+            switch: match alignment {
+                Alignment::Switch { behind } => cloud.spacing * (screen.scale + behind),
+                _ => f64::INFINITY,
+            },
             perspective: screen.perspective,
             scale: screen.scale,
             principal: screen.centre,
@@ -197,6 +203,8 @@ impl<'a> Projection<'a> {
             Alignment::Sheet | Alignment::Affine | Alignment::Grid => {
                 (u.z > self.near).then(|| self.affine(u, covariance))
             }
+            Alignment::Switch { .. } if u.z >= self.switch => Some(self.affine(u, covariance)),
+            Alignment::Switch { .. } => self.across_rays(u, self.across_ray(u, covariance)),
             Alignment::Ray => self.across_rays(u, self.across_ray(u, covariance)),
             Alignment::RayIdeal => self.along_rays(u, self.across_ray(u, covariance)),
             Alignment::Exact if self.is_swan() => self.stretched(u, covariance),
@@ -251,20 +259,42 @@ impl<'a> Projection<'a> {
         } else {
             DVec2::ZERO
         };
-        let along = if self.alignment == Alignment::Grid {
+        let parallel = self.is_grid_aligned(u.z);
+        let along = if parallel {
             DVec2::ZERO
         } else {
             ray.clamp(-self.widest, self.widest)
         };
         let scale = self.pixels_per_length(u.z);
         let screen = seen_along(covariance, along).map(|v| v * scale * scale);
-        let path = if self.alignment == Alignment::Grid {
+        let path = if parallel {
             1.0
         } else {
             (1.0 + ray.length_squared()).sqrt()
         };
         let filtered = self.on_screen(u.z, along, screen);
         self.lean((u, covariance), (along, path), filtered)
+    }
+
+    /// Whether footprints at a depth are integrated along the viewing axis.
+    #[inline(always)]
+    fn is_grid_aligned(&self, depth: f64) -> bool {
+        match self.alignment {
+            Alignment::Grid => true,
+            Alignment::Switch { .. } => !self.perspective || depth >= self.switch,
+            _ => false,
+        }
+    }
+
+    /// Length per depth of the path along which footprints at a depth integrate kernels, for a ray of this x and y per
+    /// depth.
+    #[inline(always)]
+    pub fn path_per_depth(&self, ray: [f32; 2], depth: f32) -> f32 {
+        if self.is_grid_aligned(f64::from(depth)) {
+            return 1.0;
+        }
+        let [x, y] = ray;
+        (1.0 + x * x + y * y).sqrt()
     }
 
     /// The affine footprint of a filtered covariance.

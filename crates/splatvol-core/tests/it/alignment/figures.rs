@@ -45,6 +45,27 @@ fn exact_footprints_do_not_err() {
     }
 }
 
+/// mueller1998 section 4.2: across rays before `z_s = z_k + 70`, parallel to the picture behind it.
+#[test]
+fn the_switch_is_across_rays_before_z_s_and_parallel_to_the_picture_behind() {
+    let view = view(200.0);
+    for (behind, same, other) in [
+        (-50.0, Alignment::Ray, Alignment::Grid),
+        (69.0, Alignment::Ray, Alignment::Grid),
+        (71.0, Alignment::Grid, Alignment::Ray),
+        (500.0, Alignment::Grid, Alignment::Ray),
+    ] {
+        let u = DVec3::new(0.4, 0.2, 1.0) * (200.0 + behind);
+        let cloud = cloud(u, DMat3::IDENTITY);
+        let of = |alignment| {
+            let projection = project(&cloud, &view, (Filter::Swan, alignment, Stretch::Box));
+            projection.project(0).expect("in sight")
+        };
+        assert_eq!(of(Alignment::SWITCH), of(same), "{behind}");
+        assert_ne!(of(Alignment::SWITCH), of(other), "{behind}");
+    }
+}
+
 /// The set-up of figures 9 and 10: 512^3 voxels, a picture of 512^2 pixels, a cone of 30 degrees, exp(-1.38 r^2)
 /// cut at 2.
 struct Paper {

@@ -35,6 +35,8 @@ enum Method {
     Ellipse,
     Rlut(RadiusTables),
     Blit(Blits),
+    /// Circles of this radius, pixels, at most are copied.
+    Hybrid(Blits, f32),
 }
 
 /// Rectangle of pixels to fill: its first pixel in the picture, and its size.
@@ -70,11 +72,23 @@ impl<E: Entry> Lookup<'_, E> {
     /// The weight of an entry; an index beyond the last entry gets the last one's, which is zero.
     #[inline(always)]
     pub(super) fn entry(&self, index: usize) -> f32 {
+        self.number(index) * self.scale
+    }
+
+    /// An entry, in units of the table's.
+    #[inline(always)]
+    pub(super) fn number(&self, index: usize) -> f32 {
         let index = index.min(self.last());
         match (self.far.get(index), self.near.get(index)) {
-            (Some(far), Some(near)) => far.less(*near) * self.scale,
+            (Some(far), Some(near)) => far.less(*near),
             _ => 0.0,
         }
+    }
+
+    /// The weight of a unit of the table's entries.
+    #[inline(always)]
+    pub(super) fn scale(&self) -> f32 {
+        self.scale
     }
 
     /// The weight of the entry nearest to a position, counted in entries from the centre.
@@ -104,7 +118,12 @@ impl Tables {
             Rasterizer::Ellipse1d => Method::Ellipse,
             Rasterizer::Rlut { subpixels } => Method::Rlut(RadiusTables::new(subpixels as usize)),
             Rasterizer::Blit2d { subpixels } => {
-                Method::Blit(Blits::new(subpixels as usize, layout.entries as usize))
+                let [entries, sections] = [layout.entries, layout.sections].map(|count| count as usize);
+                Method::Blit(Blits::new(subpixels as usize, entries, sections))
+            }
+            Rasterizer::Hybrid { subpixels, radius } => {
+                let [entries, sections] = [layout.entries, layout.sections].map(|count| count as usize);
+                Method::Hybrid(Blits::new(subpixels as usize, entries, sections), radius as f32)
             }
         };
         let settings = TableSettings {
@@ -135,7 +154,7 @@ impl Tables {
         match self.method {
             Method::Linear | Method::Square | Method::Ellipse => 0.0,
             Method::Rlut(_) => 0.5,
-            Method::Blit(_) => 1.5,
+            Method::Blit(_) | Method::Hybrid(..) => 1.5,
         }
     }
 
@@ -146,6 +165,19 @@ impl Tables {
             Method::Linear | Method::Square | Method::Ellipse => footprint,
             Method::Rlut(tables) => tables.snap(footprint),
             Method::Blit(blits) => blits.snap(footprint, self.cut),
+            Method::Hybrid(blits, most) if self.is_small(&footprint, *most) => {
+                blits.snap(footprint, self.cut)
+            }
+            Method::Hybrid(..) => footprint,
+        }
+    }
+
+    /// Whether a circle's radius in whole pixels is `most` at most.
+    #[inline(always)]
+    fn is_small(&self, footprint: &Footprint, most: f32) -> bool {
+        match footprint.warp {
+            Warp::Affine { conic, .. } => self.cut / conic[0].sqrt() < most + 0.5,
+            _ => false,
         }
     }
 
@@ -214,8 +246,13 @@ impl Tables {
             Method::Rlut(tables) => tables.fill(&lookup, to_entries, footprint.centre, block, weights),
             Method::Blit(blits) => {
                 let radius = self.cut / conic[0].sqrt();
-                blits.fill(&lookup, radius, footprint.centre, block, weights);
+                blits.fill((&lookup, part.depths()), radius, footprint.centre, block, weights);
             }
+            Method::Hybrid(blits, most) if self.is_small(footprint, *most) => {
+                let radius = self.cut / conic[0].sqrt();
+                blits.fill((&lookup, part.depths()), radius, footprint.centre, block, weights);
+            }
+            Method::Hybrid(..) => circle::fill(&lookup, to_entries[0], footprint.centre, block, weights),
         }
     }
 
@@ -241,7 +278,7 @@ impl Tables {
         let own = match &self.method {
             Method::Linear | Method::Square | Method::Ellipse => 0,
             Method::Rlut(tables) => tables.bytes(),
-            Method::Blit(blits) => blits.bytes(),
+            Method::Blit(blits) | Method::Hybrid(blits, _) => blits.bytes(),
         };
         [self.table.bytes(), own]
     }

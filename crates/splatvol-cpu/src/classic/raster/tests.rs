@@ -7,12 +7,16 @@ use splatvol_scene::{Kernel, Rasterizer, TableLayout, TablePrecision};
 
 use super::Tables;
 
-const RASTERIZERS: [Rasterizer; 5] = [
+const RASTERIZERS: [Rasterizer; 6] = [
     Rasterizer::Linear1d,
     Rasterizer::Square1d,
     Rasterizer::Ellipse1d,
     Rasterizer::Rlut { subpixels: 100 },
     Rasterizer::Blit2d { subpixels: 8 },
+    Rasterizer::Hybrid {
+        subpixels: 8,
+        radius: 7,
+    },
 ];
 
 /// huang2000 figure 4's bound holds for the squared distance where sigma is two fifths of the radius.
@@ -265,7 +269,7 @@ fn storage_is_the_papers() {
     // k tables of 257 numbers in single precision.
     let rlut = bytes(Rasterizer::Rlut { subpixels: 100 }, 128, TablePrecision::U8);
     assert_eq!(rlut, [16 << 10, 100 * 257 * 4]);
-    // Only the radii in use have maps: k^2 (2 r + 1)^2 numbers of 16 bits.
+    // Only the radii and sections in use are drawn: k^2 (2 r + 1)^2 numbers of 32 bits.
     let tables = tables(
         Rasterizer::Blit2d { subpixels: 2 },
         PAPER,
@@ -278,5 +282,13 @@ fn storage_is_the_papers() {
         let drawn = tables.snap(ellipse(&radial, [130.0, 230.0], [radius; 2], 0.0));
         tables.fill(&drawn, None, (&TILE, [0, 0, 64, 64]), &mut Vec::new());
     }
-    assert_eq!(tables.bytes()[1], 4 * 2 * (15 * 15 + 41 * 41));
+    assert_eq!(tables.bytes()[1], 4 * 4 * (15 * 15 + 41 * 41));
+    let drawn = tables.snap(ellipse(&radial, [131.3, 230.0], [7.0; 2], 0.0));
+    tables.fill(
+        &drawn,
+        Some([10.0, 10.5]),
+        (&TILE, [0, 0, 64, 64]),
+        &mut Vec::new(),
+    );
+    assert_eq!(tables.bytes()[1], 4 * 4 * (2 * 15 * 15 + 41 * 41));
 }
