@@ -227,6 +227,9 @@ impl Engine for CpuEngine {
             block: None,
             pass: Pass::WHOLE,
         };
+        if !matches!(route, Route::Classic(..)) {
+            task.refuse_partial()?;
+        }
         let statistics = match &route {
             Route::Volume(volume, own) => self.sheets.render(run, volume, (camera, own), frame)?,
             Route::Classic(volume, own) => self.classic.render(run, volume, (camera, own), frame)?,

@@ -277,6 +277,7 @@ impl Engine for GpuEngine {
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
+        task.refuse_partial()?;
         pollster::block_on(self.render_async(shot, frame, task))
     }
 

@@ -86,8 +86,8 @@ pub use scene::{Scene, SingleVolume};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings,
     GaussianMode, Gradient, Kernel, KernelEdge, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent, SheetKernel, SheetSettings, SheetValues, Shows,
-    SplatCompositing, SplatSettings, Stretch, TableLayout, TablePrecision,
+    Reconstruction, RenderSettings, SheetContent, SheetKernel, SheetPrecision, SheetSettings, SheetValues,
+    Shows, SplatCompositing, SplatSettings, Stretch, TableLayout, TablePrecision,
 };
 pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;

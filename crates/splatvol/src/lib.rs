@@ -130,8 +130,8 @@ pub use splatvol_core::bin::TileRect;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub use splatvol_core::clock::set_clock;
 pub use splatvol_core::engine::{
-    Control, Engine, MemoryUse, OnProgress, OnTile, PassSeconds, RenderStatistics, Share, Shot, StageSeconds,
-    Task,
+    Control, Engine, MemoryUse, OnProgress, OnTile, Partial, PassSeconds, RenderStatistics, Share, Shot,
+    StageSeconds, Task,
 };
 pub use splatvol_core::radial;
 pub use splatvol_cpu::{EngineConfig, EngineError, Pool, SimdLevel, most_threads};

@@ -1,8 +1,8 @@
 //! Parts of a picture: several workers can render one frame, each some of its pixels.
 
 use splatvol_core::bin::TileRect;
-use splatvol_core::engine::WINDOW_STEP;
-use splatvol_scene::{Coverage, Frame, RenderSettings, SceneError};
+use splatvol_core::engine::{Control, WINDOW_STEP};
+use splatvol_scene::{Coverage, Frame, MotionBlur, RenderSettings, SceneError};
 
 /// A part and the pixels next to it.
 pub(crate) fn with_neighbors(part: TileRect) -> TileRect {
@@ -40,6 +40,28 @@ pub(crate) fn around(window: TileRect, settings: &RenderSettings) -> Result<Tile
         y0: step(wide.y0),
         ..wide
     })
+}
+
+/// Refuses pictures between sheets where they are not those of one whole picture.
+///
+/// # Errors
+/// [`Control::partial`] with a part, a window, or what is the mean of several pictures.
+pub(crate) fn check_partial(control: &Control<'_>, settings: &RenderSettings) -> Result<(), SceneError> {
+    let Some(partial) = control.partial else {
+        return Ok(());
+    };
+    let reason = if control.window.is_some() || control.part.is_some() || control.share.is_some() {
+        "a whole picture"
+    } else if matches!(settings.motion_blur, MotionBlur::Subframes { .. }) {
+        "a picture of one moment, or motion blur exact or capsule"
+    } else if settings.coverage != Coverage::Off {
+        "coverage off: edges are sampled again once all sheets are there"
+    } else if partial.every == 0 {
+        "at least 1 sheet between two pictures"
+    } else {
+        return Ok(());
+    };
+    Err(SceneError::invalid("partial", partial, reason))
 }
 
 /// Clears a frame except for a part.

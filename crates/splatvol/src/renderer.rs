@@ -114,6 +114,7 @@ impl Renderer {
         frame: &mut Frame,
         control: &Control<'_>,
     ) -> Result<(), SceneError> {
+        part::check_partial(control, settings)?;
         let progress = Progress::new(control);
         progress.report(0.0);
         let report = |share| progress.report(share);
@@ -152,6 +153,9 @@ impl Renderer {
         frame: &mut Frame,
         control: &Control<'_>,
     ) -> Result<(), SceneError> {
+        if let Some(partial) = control.partial {
+            return Err(SceneError::invalid("partial", partial, "a picture of one moment"));
+        }
         let size = control.window.map_or(Ok(settings.size), |window| window.size())?;
         let mut exposure = Exposure::new(size);
         for (index, camera) in cameras.iter().enumerate() {

@@ -198,6 +198,7 @@ impl From<&FootprintArgs> for SettingKeys {
             alignment: args.alignment,
             alignment_budget: args.alignment_budget,
             sheet_values: args.sheet_values,
+            sheet_precision: args.sheet_precision,
             alignment_switch: args.alignment_switch,
             stretch: args.stretch,
             kernel_edge: args.kernel_edge,

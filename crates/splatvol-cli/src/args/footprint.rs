@@ -3,7 +3,7 @@
 use clap::Args;
 use splatvol_document::keys::names::{
     AbsorptionName, AlignmentName, KernelEdgeName, OcclusionName, ReconstructionName, SheetName,
-    SheetValuesName, StretchName,
+    SheetPrecisionName, SheetValuesName, StretchName,
 };
 
 use super::help::PAPERS;
@@ -17,6 +17,9 @@ pub(crate) struct FootprintArgs {
     /// The value of a pixel on a sheet of sections [default: mean, or sum with --extract-*]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) sheet_values: Option<SheetValuesName>,
+    /// Number format of a sheet's pixels [default: f32]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
+    pub(crate) sheet_precision: Option<SheetPrecisionName>,
     /// How light is lost on its way through a length x of material [default: exp]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) absorption: Option<AbsorptionName>,

@@ -1,5 +1,6 @@
 //! `splatvol render`.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -76,6 +77,12 @@ pub(crate) struct RenderArgs {
     /// Along the camera's axis. A PNG has 16 bits, and says in its text which range they stand for.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) depth: Option<PathBuf>,
+    /// Write the picture after every N sheets, too: NAME.0004.png beside NAME.png, ...
+    ///
+    /// By the methods of the papers, which composite the whole picture sheet by sheet: front to back, or with --compositing
+    /// per-splat-back-to-front the other way.
+    #[arg(long, value_name = "N", conflicts_with = "recipe", help_heading = OUTPUT)]
+    pub(crate) partial: Option<NonZeroUsize>,
     /// Write the picture's recipe, a scene with nothing left open, and no picture: for `splatvol part`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["output", "depth", "stats"], help_heading = OUTPUT)]
     pub(crate) recipe: Option<PathBuf>,

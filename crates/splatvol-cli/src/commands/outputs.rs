@@ -52,6 +52,29 @@ impl Outputs {
         self.format
     }
 
+    /// Where pictures between sheets go: beside the picture, or refused where it is no file.
+    pub(super) fn partial(&self) -> Result<PathBuf, Failure> {
+        match &self.picture {
+            Target::File(path) => Ok(path.clone()),
+            Target::Stdout => Err(Failure::usage(
+                "--partial writes files beside the picture: use -o FILE",
+            )),
+        }
+    }
+
+    /// Writes a picture between sheets.
+    pub(super) fn write_partial(
+        &self,
+        sheets: usize,
+        frame: &Frame,
+        (background, bits): (Option<[f64; 4]>, u8),
+        overwrite: bool,
+    ) -> Result<(), Failure> {
+        let path = numbered(&self.partial()?, sheets);
+        let bytes = encode_with_bits(frame, (self.format, bits), background, &[])?;
+        Target::File(path).write(&bytes, overwrite)
+    }
+
     /// The file that can take the picture in bands of rows: a PNG, without depths beside it.
     pub(super) fn banded(&self) -> Option<&Path> {
         match &self.picture {
@@ -108,6 +131,16 @@ impl Outputs {
     }
 }
 
+/// `head.0012.png` for `head.png`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    path.with_extension(format!("{number:04}.{extension}"))
+}
+
 /// A frame as a picture file with this many bits per channel.
 pub(super) fn encode_with_bits(
     frame: &Frame,
@@ -156,6 +189,14 @@ pub(super) fn short_name(reference: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_between_sheets_are_numbered() {
+        assert_eq!(
+            numbered(Path::new("a/b.c.png"), 12),
+            PathBuf::from("a/b.c.0012.png")
+        );
+    }
 
     #[test]
     fn outputs_are_named_after_inputs_in_the_current_folder() {

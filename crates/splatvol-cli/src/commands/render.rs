@@ -1,9 +1,10 @@
 //! `splatvol render`: resolve, render, write.
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use splatvol::{Camera, Control, Frame, ImageSize, RenderStatistics, Renderer, TileRect};
+use splatvol::{Camera, Control, Frame, ImageSize, Partial, RenderStatistics, Renderer, TileRect};
 use splatvol_document::{CameraMotion, Picture};
 use splatvol_io::ImageFormat;
 
@@ -42,9 +43,12 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let overwrite = args.write.overwrite;
     let size = picture.settings.size;
     let memory = args.chunks.rules().memory;
-    let banded = outputs
-        .banded()
-        .filter(|_| bands::are_needed(size, memory) && args.engine == EngineName::Cpu);
+    if args.partial.is_some() {
+        outputs.partial()?;
+    }
+    let banded = outputs.banded().filter(|_| {
+        args.partial.is_none() && bands::are_needed(size, memory) && args.engine == EngineName::Cpu
+    });
     let (statistics, is_empty) = if let Some(path) = banded {
         let sheet = Sheet {
             size,
@@ -62,8 +66,18 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
         picture
             .check_size()
             .map_err(|error| Failure::from(error).hint(bands::HINT))?;
-        let (frame, statistics) = render(&prepared, terminal)?;
         let look = (picture.background(), picture.bits());
+        let between = args.partial.map(|every| Between {
+            every: every.get(),
+            outputs: &outputs,
+            look,
+            overwrite,
+            failure: Mutex::new(None),
+        });
+        let (frame, statistics) = render(&prepared, between.as_ref(), terminal)?;
+        if let Some(failure) = between.and_then(Between::failure) {
+            return Err(failure);
+        }
         outputs.write(&frame, look, &metadata, overwrite)?;
         (statistics, nothing::is_empty(&frame))
     };
@@ -154,13 +168,56 @@ pub(super) fn say_holes(statistics: &RenderStatistics, terminal: &Terminal) {
     }
 }
 
-fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStatistics), Failure> {
+/// Pictures after every so many sheets, written as they come.
+struct Between<'a> {
+    every: usize,
+    outputs: &'a Outputs,
+    look: (Option<[f64; 4]>, u8),
+    overwrite: bool,
+    /// The first picture that could not be written.
+    failure: Mutex<Option<Failure>>,
+}
+
+impl Between<'_> {
+    fn write(&self, sheets: usize, (size, pixels): (ImageSize, &[[f32; 4]])) {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        if failure.is_some() {
+            return;
+        }
+        let mut frame = Frame::empty(size);
+        frame.image.pixels.copy_from_slice(pixels);
+        *failure = self
+            .outputs
+            .write_partial(sheets, &frame, self.look, self.overwrite)
+            .err();
+    }
+
+    fn failure(self) -> Option<Failure> {
+        self.failure.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn render(
+    prepared: &Prepared,
+    between: Option<&Between<'_>>,
+    terminal: &Terminal,
+) -> Result<(Frame, RenderStatistics), Failure> {
     let Prepared { picture, means, .. } = prepared;
     let mut renderer = engine(*means)?;
     let bar = terminal.progress("Rendering");
     let report = |share: f64| bar.set(share);
+    let size = picture.settings.size;
+    let write = |sheets: usize, pixels: &[[f32; 4]]| {
+        if let Some(between) = between {
+            between.write(sheets, (size, pixels));
+        }
+    };
     let control = Control {
         progress: Some(&report),
+        partial: between.map(|between| Partial {
+            every: between.every,
+            picture: &write,
+        }),
         ..Control::default()
     };
     let frame = frame_of(picture, &mut renderer, &control)?;

@@ -39,6 +39,32 @@ fn an_animation_refuses_depths_and_lists_methods() {
 }
 
 #[test]
+fn pictures_between_sheets_lie_beside_the_picture() {
+    let sandbox = Sandbox::new();
+    let papers = format!("{RENDER} --preset fastsplats2000 --no-metadata");
+    sandbox.run(&format!("{papers} -o a.png --partial 9")).succeeds();
+    let files = sandbox.files();
+    let between: Vec<_> = files.iter().filter(|name| *name != "a.png").collect();
+    assert!(
+        between.len() > 2 && files.contains(&"a.0009.png".to_owned()),
+        "{files:?}"
+    );
+    let last = between.iter().max().unwrap();
+    assert_eq!(sandbox.bytes(last), sandbox.bytes("a.png"));
+    assert_ne!(sandbox.bytes("a.0009.png"), sandbox.bytes("a.png"));
+    sandbox
+        .run(&format!("{papers} -o - --partial 9"))
+        .fails(2, &["--partial", "-o FILE"]);
+    sandbox
+        .run(&format!("{RENDER} -o b.png --partial 9"))
+        .fails(4, &["partial", "fastsplats2000"]);
+    sandbox
+        .run(&format!("{RENDER} -o b.png --partial 0"))
+        .fails(2, &["--partial"]);
+    assert!(!sandbox.files().contains(&"b.png".to_owned()));
+}
+
+#[test]
 fn too_many_threads_are_capped_with_a_warning() {
     let sandbox = Sandbox::new();
     let run = sandbox

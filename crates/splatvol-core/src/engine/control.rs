@@ -14,6 +14,23 @@ pub type OnProgress<'a> = &'a (dyn Fn(f64) + Sync);
 /// Callback for finished pixels: their rectangle, and their linear premultiplied colours row by row.
 pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 
+/// The picture while its sheets are composited (swan1997 section 3.1: "partial images").
+#[derive(Clone, Copy)]
+pub struct Partial<'a> {
+    /// Sheets between two pictures: image sheets, slices of the grid, or ranges of depth of splats that are composited one by
+    /// one. At least 1.
+    pub every: usize,
+    /// Called by the rendering thread with the number of sheets so far and all pixels' linear premultiplied colours, row by
+    /// row; the last time with all sheets.
+    pub picture: &'a (dyn Fn(usize, &[[f32; 4]]) + Sync),
+}
+
+impl Debug for Partial<'_> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.every)
+    }
+}
+
 /// Asked between the steps of a preparation: whether it goes on.
 pub type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 
@@ -40,6 +57,8 @@ pub struct Control<'a> {
     /// The pixels that the frame holds, `None` for all: the frame has their size, and of the picture only they are
     /// made and take memory. They have the whole picture's values, to the bit.
     pub window: Option<TileRect>,
+    /// Pictures after every so many sheets, `None` for none: of whole pictures at one moment, by the papers' methods.
+    pub partial: Option<Partial<'a>>,
 }
 
 impl Debug for Control<'_> {
@@ -51,6 +70,7 @@ impl Debug for Control<'_> {
             part,
             share,
             window,
+            partial,
         } = self;
         formatter
             .debug_struct("Control")
@@ -60,6 +80,7 @@ impl Debug for Control<'_> {
             .field("part", part)
             .field("share", share)
             .field("window", window)
+            .field("partial", partial)
             .finish()
     }
 }
@@ -107,6 +128,8 @@ pub struct Task<'a> {
     pub share: Option<Share>,
     /// The pixels that the frame holds, `None` for all; their first column and row are multiples of [`WINDOW_STEP`].
     pub window: Option<TileRect>,
+    /// Pictures after every so many sheets.
+    pub partial: Option<Partial<'a>>,
     /// Tiles without any of these are left out.
     pub edges: Option<&'a Edges>,
 }
@@ -121,6 +144,7 @@ impl<'a> Task<'a> {
             part: control.part,
             share: control.share,
             window: control.window,
+            partial: control.partial,
             edges: None,
         }
     }
@@ -130,6 +154,7 @@ impl<'a> Task<'a> {
         Self {
             progress,
             tile: None,
+            partial: None,
             ..self
         }
     }
@@ -148,6 +173,22 @@ impl<'a> Task<'a> {
             return Err(SceneError::Stopped);
         }
         Ok(())
+    }
+
+    /// Refuses pictures between sheets, for engines and methods that do not composite whole pictures sheet by sheet.
+    ///
+    /// # Errors
+    /// `partial`, if it is asked for.
+    pub fn refuse_partial(&self) -> Result<(), SceneError> {
+        match self.partial {
+            None => Ok(()),
+            Some(partial) => Err(SceneError::invalid(
+                "partial",
+                partial,
+                "the CPU and one volume by a method of the papers, which composites the whole picture sheet by sheet \
+                 (such as --preset fastsplats2000)",
+            )),
+        }
     }
 
     /// Reports the finished share, unless the picture has been cancelled.

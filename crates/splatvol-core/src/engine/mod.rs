@@ -20,7 +20,7 @@ use std::fmt::Debug;
 
 use splatvol_scene::{Camera, Frame, RenderSettings, Scene, SceneError};
 
-pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task, WINDOW_STEP};
+pub use control::{Control, GoOn, OnProgress, OnTile, Partial, Progress, Task, WINDOW_STEP};
 pub use edges::Edges;
 pub use share::Share;
 pub use statistics::{ChunkStatistics, MemoryUse, PassSeconds, RenderStatistics, StageSeconds};

@@ -15,16 +15,18 @@
 //! | profile | `profiles` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
-//! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
-//! | composite | `tile`, `post_classified` | sheets, or splats one by one, are composited behind the pixels |
+//! | splat | `raster`, `sheet`, `levels` | footprints, whole or a sheet's section of them, become pixels |
+//! | composite | `tile`, `post_classified`, `partial` | sheets, or splats one by one, are composited behind the pixels |
 //!
 //! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`).
 //! Pixels receive their contributions turn by turn, then by depth and index, so pictures are the same for any
 //! number of threads and any tile.
 
 mod cloud;
+mod levels;
 mod occlusion;
 mod order;
+mod partial;
 mod pixel;
 mod plan;
 mod post_classified;
@@ -124,7 +126,7 @@ fn render_tiles<P: Profile>(
     let done = AtomicUsize::new(0);
     let count = plan.tiles.len();
     let wanted = |tile: &&u32| !run.task.is_stopped() && run.task.wants(&plan.tiles.rect(**tile as usize));
-    let tiles: Vec<_> = run.pool.install(|| {
+    let whole = || {
         plan.lists
             .longest_first()
             .par_iter()
@@ -141,7 +143,11 @@ fn render_tiles<P: Profile>(
                 (tile as usize, work)
             })
             .collect()
-    });
+    };
+    let tiles: Vec<_> = match run.task.partial {
+        None => run.pool.install(whole),
+        Some(partial) => partial::render(run, plan, partial, frame),
+    };
     let held = run.task.held(plan.tiles.picture());
     for (tile, (pixels, _)) in tiles.iter().filter(|_| !run.task.is_stopped()) {
         store((frame, &held), &plan.tiles.rect(*tile), pixels);

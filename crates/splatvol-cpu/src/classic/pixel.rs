@@ -4,7 +4,9 @@
 //! included (zwicker2001 eq. 1), where the papers take `exp(-x) = 1 - x`.
 
 use splatvol_core::bin::TileRect;
-use splatvol_scene::Frame;
+use splatvol_scene::{Absorption, Frame};
+
+use super::levels::Levels;
 
 /// Optical depth below which material would lose its last digits in `1 - exp(-tau)`.
 const THIN: f32 = 0.1;
@@ -67,6 +69,33 @@ impl Pixel {
         }
         self.depth_sum += share * depth;
         self.transmittance *= 1.0 - opacity;
+    }
+
+    /// Composites a sheet's optical depth and (lit) colour, at a depth, behind the pixel, whose numbers may have levels.
+    #[inline(always)]
+    pub(crate) fn composite(
+        &mut self,
+        (optical_depth, absorption): (f32, Absorption),
+        color: [f32; 3],
+        depth: f32,
+        levels: Option<Levels>,
+    ) {
+        match (absorption, levels) {
+            (Absorption::Exp, None) => self.add(optical_depth, color, depth),
+            (Absorption::Linear, None) => self.add_opacity(optical_depth.min(1.0), color, depth),
+            (_, Some(levels)) => {
+                let opacity = match absorption {
+                    Absorption::Exp => -libm::expm1f(-optical_depth),
+                    Absorption::Linear => optical_depth.min(1.0),
+                };
+                let share = self.transmittance * opacity;
+                for (sum, channel) in self.color.iter_mut().zip(color) {
+                    *sum = levels.add(*sum, share * channel);
+                }
+                self.depth_sum += share * depth;
+                self.transmittance = 1.0 - levels.add(1.0 - self.transmittance, share);
+            }
+        }
     }
 
     /// As [`Self::add_opacity`], in front of the pixel.

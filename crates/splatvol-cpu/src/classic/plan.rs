@@ -162,11 +162,28 @@ impl<'a, P: Profile> Plan<'a, P> {
     #[inline(always)]
     pub(crate) fn payload(&self, splat: usize) -> [f32; 4] {
         let payload = self.cloud.payloads[splat];
-        match &self.light {
+        let lit = match &self.light {
             Some(light) => light.on(payload, self.cloud.gradients[splat]),
             None => payload,
+        };
+        match self.holds_opacities() {
+            true => opacities(lit, self.cloud.spacing as f32),
+            false => lit,
         }
     }
+}
+
+/// Opacity and opacity-weighted colours over a length, per length, of an extinction and its emission: they are at most 1 over
+/// that length, where extinctions have no bound.
+#[inline(always)]
+fn opacities(payload: [f32; 4], length: f32) -> [f32; 4] {
+    let optical_depth = payload[0] * length;
+    let share = if optical_depth > 0.0 {
+        -libm::expm1f(-optical_depth) / optical_depth
+    } else {
+        1.0
+    };
+    payload.map(|channel| channel * share)
 }
 
 fn corners(cloud: &SplatCloud) -> [DVec3; 8] {

@@ -4,14 +4,15 @@
 //! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals:
 //! W is the length of the ray's path through the volume within the sheet. As a *mean* a pixel's value is `S / W` and its
 //! optical depth `kappa(S / W) W`; as a *sum*, the paper's, they are `S / l` and `kappa(S / l) l`, with l the length of the
-//! ray's path through the whole sheet, so that voxels without splats are zeros. The gradient comes from central differences between neighbouring pixels and
+//! ray's path through the whole sheet, so that voxels without splats have the least value, which is zero here. The gradient comes from central differences between neighbouring pixels and
 //! between the sheets before and behind.
 
 use std::sync::atomic::AtomicBool;
 
 use splatvol_core::splats::Profile;
-use splatvol_scene::{Absorption, SheetValues};
+use splatvol_scene::SheetValues;
 
+use super::levels::Levels;
 use super::order::Order;
 use super::raster::Target;
 use super::sheet::Sheet;
@@ -27,11 +28,18 @@ pub(crate) struct ValueSheets {
 
 impl ValueSheets {
     /// Resets to empty sheets; `None` if the picture is cancelled meanwhile.
-    pub(crate) fn reset(&mut self, size: [usize; 2], stop: &AtomicBool) -> Option<()> {
+    pub(crate) fn reset(
+        &mut self,
+        size: [usize; 2],
+        levels: Option<Levels>,
+        stop: &AtomicBool,
+    ) -> Option<()> {
         self.newest = None;
+        // Lengths are no numbers of the paper's: its sheets hold the values alone.
+        let levels = levels.map(|levels| (levels, 1));
         self.sheets
             .iter_mut()
-            .try_for_each(|sheet| sheet.reset(size, stop))
+            .try_for_each(|sheet| sheet.reset(size, levels, stop))
     }
 
     /// True where all three are empty.
@@ -122,6 +130,7 @@ impl<P: Profile> Tile<'_, P> {
             values: plan.settings.method.sheet_values,
             per_pixel: 1.0 / plan.view.screen.scale_at(f64::from(depth)) as f32,
         };
+        let levels = plan.picture_levels();
         let (first, end) = (x0 + splatted.x0, x1 + splatted.x0);
         for py in (y0 + splatted.y0).max(own.y0)..(y1 + splatted.y0).min(own.y1) {
             for px in first.max(own.x0)..end.min(own.x1) {
@@ -146,10 +155,12 @@ impl<P: Profile> Tile<'_, P> {
                 }
                 let pixel = &mut pixels[y * width + x];
                 let optical_depth = extinction * path;
-                match plan.settings.method.absorption {
-                    Absorption::Exp => pixel.add(optical_depth, color, depth),
-                    Absorption::Linear => pixel.add_opacity(optical_depth.min(1.0), color, depth),
-                }
+                pixel.composite(
+                    (optical_depth, plan.settings.method.absorption),
+                    color,
+                    depth,
+                    levels,
+                );
                 if pixel.transmittance <= plan.settings.termination as f32 {
                     finished.finish(x, y);
                 }

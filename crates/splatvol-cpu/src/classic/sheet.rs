@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::levels::Levels;
 use crate::room::grow_with;
 
 /// Pixels of C channels, and which of them were touched.
@@ -11,14 +12,22 @@ pub(crate) struct Sheet<const C: usize> {
     width: usize,
     /// Touched: x0, y0, x1, y1, ends excluded.
     touched: [usize; 4],
+    /// Of the first channels, and how many they are; `None` for single precision.
+    levels: Option<(Levels, usize)>,
 }
 
 const UNTOUCHED: [usize; 4] = [usize::MAX, usize::MAX, 0, 0];
 
 impl<const C: usize> Sheet<C> {
-    /// Resets to an empty sheet of this size; `None` if the picture is cancelled meanwhile.
-    pub(crate) fn reset(&mut self, [width, height]: [usize; 2], stop: &AtomicBool) -> Option<()> {
+    /// Resets to an empty sheet of this size, whose first channels have levels; `None` if the picture is cancelled meanwhile.
+    pub(crate) fn reset(
+        &mut self,
+        [width, height]: [usize; 2],
+        levels: Option<(Levels, usize)>,
+        stop: &AtomicBool,
+    ) -> Option<()> {
         self.values.clear();
+        self.levels = levels;
         self.width = width;
         self.touched = UNTOUCHED;
         grow_with(&mut self.values, width * height, || [0.0; C], stop)
@@ -60,6 +69,17 @@ impl<const C: usize> Sheet<C> {
     #[inline(always)]
     pub(crate) fn add_row(&mut self, (x, y): (usize, usize), weights: &[f32], payload: &[f32; C]) {
         let start = y * self.width + x;
+        if let Some((levels, channels)) = self.levels {
+            for (pixel, weight) in self.values[start..start + weights.len()].iter_mut().zip(weights) {
+                for (index, (sum, channel)) in pixel.iter_mut().zip(payload).enumerate() {
+                    *sum = match index < channels {
+                        true => levels.add(*sum, weight * channel),
+                        false => *sum + weight * channel,
+                    };
+                }
+            }
+            return;
+        }
         for (pixel, weight) in self.values[start..start + weights.len()].iter_mut().zip(weights) {
             for (sum, channel) in pixel.iter_mut().zip(payload) {
                 *sum += weight * channel;

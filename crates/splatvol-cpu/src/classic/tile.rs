@@ -61,6 +61,15 @@ pub(crate) struct TileWork {
     pub shade: Duration,
 }
 
+/// How far a tile is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Progress {
+    /// The next turn.
+    turn: usize,
+    /// Chunks opened so far.
+    chunks: usize,
+}
+
 /// Inputs and state for rendering one tile.
 pub(crate) struct Tile<'a, P> {
     pub plan: &'a Plan<'a, P>,
@@ -73,44 +82,56 @@ pub(crate) struct Tile<'a, P> {
     pub stop: &'a AtomicBool,
 }
 
-/// Renders one tile: its pixels, row by row; `None` if the picture is cancelled.
+/// Renders one tile: its pixels, row by row; none if the picture is cancelled.
 pub(crate) fn render<P: Profile>(
     plan: &Plan<'_, P>,
     (tile, stop): (usize, &AtomicBool),
     scratch: &mut TileScratch,
 ) -> (Vec<Resolved>, TileWork) {
-    let rect = plan.tiles.rect(tile);
-    let splatted = plan.splatted(&rect);
-    let mut run = Tile {
-        plan,
-        brush: Brush {
-            profile: plan.profile,
-            tables: plan.tables,
-            rect: splatted,
-        },
-        rect,
-        scratch,
-        work: TileWork::default(),
-        stop,
-    };
+    let mut run = Tile::new(plan, (tile, stop), scratch);
     if run.reset().is_some() {
-        run.all_turns(tile);
+        let mut progress = Progress::default();
+        run.advance(tile, &mut progress, plan.order.count());
+        run.finish(tile, progress);
     }
     (run.resolved().unwrap_or_default(), run.work)
 }
 
-impl<P: Profile> Tile<'_, P> {
-    /// `None` if the picture is cancelled meanwhile.
-    fn reset(&mut self) -> Option<()> {
+impl<'a, P: Profile> Tile<'a, P> {
+    /// A tile, with what it keeps from turn to turn.
+    pub(crate) fn new(
+        plan: &'a Plan<'a, P>,
+        (tile, stop): (usize, &'a AtomicBool),
+        scratch: &'a mut TileScratch,
+    ) -> Self {
+        let rect = plan.tiles.rect(tile);
+        Self {
+            plan,
+            brush: Brush {
+                profile: plan.profile,
+                tables: plan.tables,
+                rect: plan.splatted(&rect),
+            },
+            rect,
+            scratch,
+            work: TileWork::default(),
+            stop,
+        }
+    }
+
+    /// Forgets the last picture; `None` if this one is cancelled meanwhile.
+    pub(crate) fn reset(&mut self) -> Option<()> {
         let splatted = self.brush.rect;
         let (width, height) = (splatted.x1 - splatted.x0, splatted.y1 - splatted.y0);
         let (own_width, own_height) = (self.rect.x1 - self.rect.x0, self.rect.y1 - self.rect.y0);
         let scratch = &mut *self.scratch;
         scratch.turns.reset(self.plan.order.count());
         scratch.open.clear();
-        scratch.sheet.reset([width, height], self.stop)?;
+        let levels = self.plan.sheet_levels();
+        let of_colors = levels.map(|levels| (levels, 4));
+        scratch.sheet.reset([width, height], of_colors, self.stop)?;
         if self.plan.shading.is_some() {
-            scratch.values.reset([width, height], self.stop)?;
+            scratch.values.reset([width, height], levels, self.stop)?;
         }
         scratch.pixels.clear();
         let own = own_width * own_height;
@@ -121,38 +142,44 @@ impl<P: Profile> Tile<'_, P> {
         Some(())
     }
 
-    fn all_turns(&mut self, tile: usize) {
+    /// Takes the turns up to `until`, excluded.
+    pub(crate) fn advance(&mut self, tile: usize, progress: &mut Progress, until: usize) {
         let plan = self.plan;
-        let mut chunks = plan.lists.of(tile).peekable();
-        let mut turn = 0;
-        while turn < plan.order.count() && !self.scratch.finished.all() && !self.is_stopped() {
+        let count = plan.lists.of(tile).count();
+        let mut chunks = plan.lists.of(tile).skip(progress.chunks).peekable();
+        let mut turn = progress.turn;
+        while turn < until && !self.scratch.finished.all() && !self.is_stopped() {
             if self.is_idle(turn) {
                 // Nothing is open: the next chunk's first turn is the next that matters, or one that waits.
                 let next = chunks
                     .peek()
                     .map_or(usize::MAX, |chunk| chunk.front_sheet as usize);
-                let Some(waiting) = (turn..plan.order.count().min(next)).find(|&t| self.scratch.turns.has(t))
-                else {
-                    if next == usize::MAX {
-                        break;
-                    }
-                    turn = next.max(turn);
-                    self.open_chunks(&mut chunks, turn);
-                    self.take_turn(turn);
-                    turn += 1;
-                    continue;
+                turn = match (turn..until.min(next)).find(|&t| self.scratch.turns.has(t)) {
+                    Some(waiting) => waiting,
+                    None => next.max(turn).min(until),
                 };
-                turn = waiting;
+                if turn == until {
+                    break;
+                }
             }
             self.open_chunks(&mut chunks, turn);
             self.take_turn(turn);
             turn += 1;
         }
+        *progress = Progress {
+            turn,
+            chunks: count - chunks.count(),
+        };
+    }
+
+    /// Finishes the picture after the last turn.
+    pub(crate) fn finish(&mut self, tile: usize, progress: Progress) {
         if self.is_stopped() {
             return;
         }
         // Chunks never opened and splats never drawn are hidden by finished pixels.
-        for chunk in chunks {
+        let plan = self.plan;
+        for chunk in plan.lists.of(tile).skip(progress.chunks) {
             self.work.hidden_chunks += 1;
             let chunk = &plan.cloud.chunks[chunk.active.brick as usize];
             self.work.hidden_splats += u64::from(chunk.end - chunk.first);
@@ -163,8 +190,8 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    /// The final pixels; `None` if the picture is cancelled, since a tile may be the whole picture.
-    fn resolved(&self) -> Option<Vec<Resolved>> {
+    /// The pixels so far; `None` if the picture is cancelled, since a tile may be the whole picture.
+    pub(crate) fn resolved(&self) -> Option<Vec<Resolved>> {
         let is_integral = self.plan.settings.method.compositing == SplatCompositing::Xray;
         let pixels = &self.scratch.pixels;
         let mut resolved = Vec::with_capacity(pixels.len());
@@ -409,6 +436,7 @@ impl<P: Profile> Tile<'_, P> {
         let stop = self.stop;
         let settings = self.plan.settings;
         let termination = settings.termination as f32;
+        let levels = self.plan.picture_levels();
         let width = self.rect.x1 - self.rect.x0;
         for y in y0..y1 {
             if stop.load(Ordering::Relaxed) {
@@ -426,10 +454,7 @@ impl<P: Profile> Tile<'_, P> {
                 }
                 let color = [r, g, b].map(|e| e / extinction);
                 let depth = depth.unwrap_or(weighted / extinction);
-                match settings.method.absorption {
-                    Absorption::Exp => pixel.add(extinction, color, depth),
-                    Absorption::Linear => pixel.add_opacity(extinction.min(1.0), color, depth),
-                }
+                pixel.composite((extinction, settings.method.absorption), color, depth, levels);
                 if pixel.transmittance <= termination {
                     finished.finish(x, y);
                 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use splatvol_scene::{
     Absorption, Classification, Compositing, GaussianMode, Gradient, KernelEdge, Occlusion, SheetContent,
-    SheetValues, Stretch, Stuff, TablePrecision, View,
+    SheetPrecision, SheetValues, Stretch, Stuff, TablePrecision, View,
 };
 
 /// Defines names.
@@ -217,8 +217,20 @@ scene_names! {
     SheetValuesName as SheetValues {
         /// Of the kernels that reach the pixel, however few
         Mean as Mean,
-        /// What has no splat is zero, as in huang2000
+        /// What has no splat has the least value, as in huang2000
         Sum as Sum,
+    }
+}
+
+scene_names! {
+    /// Number format of a sheet's pixels.
+    SheetPrecisionName as SheetPrecision {
+        /// 8 bits, huang2000's for colours; with a picture of 8 bits
+        U8 as U8,
+        /// 16 bits, its for values; with a picture of 8 bits
+        U16 as U16,
+        /// Single precision, and so is the picture
+        F32 as F32,
     }
 }
 

@@ -4,7 +4,7 @@ use super::keys;
 use super::names::{
     AbsorptionName, AlignmentName, ClassificationName, CompositingName, CoverageName, FilterName,
     GaussianModeName, GradientName, KernelEdgeName, KernelName, OcclusionName, PrecisionName, PresetName,
-    RasterizerName, ReconstructionName, SheetName, SheetValuesName, StretchName,
+    RasterizerName, ReconstructionName, SheetName, SheetPrecisionName, SheetValuesName, StretchName,
 };
 
 keys! {
@@ -52,14 +52,15 @@ keys! {
         sheet: SheetName,
         /// The value of a pixel on a sheet of sections.
         sheet_values: SheetValuesName,
+        /// Number format of a sheet's pixels.
+        sheet_precision: SheetPrecisionName,
         /// How light is lost on its way through material.
         absorption: AbsorptionName,
         /// Along which lines a kernel is integrated to its footprint.
         alignment: AlignmentName,
         /// Largest error of a footprint with `alignment = "auto"`, share of its peak.
         alignment_budget: f64,
-        /// Distance of the depth where `alignment = "switch"` switches behind that from which voxels are less than a pixel
-        /// apart, mean voxel spacings.
+        /// How far behind the depth where voxels are a pixel apart `alignment = "switch"` switches, mean voxel spacings.
         alignment_switch: f64,
         /// How the filter `swan` stretches kernels.
         stretch: StretchName,

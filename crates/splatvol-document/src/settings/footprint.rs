@@ -21,6 +21,7 @@ pub(super) fn set(keys: &SettingKeys, settings: &mut FlatSettings) -> Result<(),
     set_named(&mut settings.occlusion, keys.occlusion);
     set_named(&mut settings.stretch, keys.stretch);
     set_named(&mut settings.sheet_values, keys.sheet_values);
+    set_named(&mut settings.sheet_precision, keys.sheet_precision);
     set_named(&mut settings.kernel_edge, keys.kernel_edge);
     if keys.kernel_edge.is_none() && !has_edge(settings) {
         settings.kernel_edge = KernelEdge::Smooth;

@@ -23,6 +23,7 @@ pub fn written(settings: &FlatSettings) -> SettingKeys {
         prefilter: Some(settings.prefilter),
         sheet: settings.sheet.map(Into::into),
         sheet_values: Some(settings.sheet_values.into()),
+        sheet_precision: Some(settings.sheet_precision.into()),
         absorption: Some(settings.absorption.into()),
         stretch: Some(settings.stretch.into()),
         kernel_edge: Some(settings.kernel_edge.into()),

@@ -120,8 +120,7 @@ class RenderOptions(TypedDict, total=False):
     alignment_budget: float | None
     """Largest error of a footprint with `alignment = "auto"`, share of its peak."""
     alignment_switch: float | None
-    """Distance of the depth where `alignment = "switch"` switches behind that from which voxels are less than a pixel
-    apart, mean voxel spacings."""
+    """How far behind the depth where voxels are a pixel apart `alignment = "switch"` switches, mean voxel spacings."""
     ambient: float | None
     """Share of the colour that needs no light."""
     blit_radius: int | None
@@ -180,6 +179,8 @@ class RenderOptions(TypedDict, total=False):
     """Whether the picture is lit."""
     sheet: Literal["section", "sample"] | None
     """Contribution of a kernel to a sheet."""
+    sheet_precision: Literal["u8", "u16", "f32"] | None
+    """Number format of a sheet's pixels."""
     sheet_thickness: float | None
     """Thickness of a sheet, mean voxel spacings."""
     sheet_values: Literal["mean", "sum"] | None

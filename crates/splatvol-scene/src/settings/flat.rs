@@ -11,8 +11,8 @@ use super::validate::DATA_IN_MOTION;
 use super::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, GaussianMode, Gradient,
     Kernel, KernelEdge, Method, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,
-    SheetContent, SheetKernel, SheetSettings, SheetValues, Shows, SplatCompositing, SplatSettings, Stretch,
-    TableLayout,
+    SheetContent, SheetKernel, SheetPrecision, SheetSettings, SheetValues, Shows, SplatCompositing,
+    SplatSettings, Stretch, TableLayout,
 };
 use crate::{ImageSize, Lighting, SceneError};
 
@@ -33,6 +33,8 @@ pub struct FlatSettings {
     pub sheet: Option<SheetContent>,
     /// The value of a pixel on a sheet of sections.
     pub sheet_values: SheetValues,
+    /// Number format of a sheet's pixels.
+    pub sheet_precision: SheetPrecision,
     /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
@@ -104,6 +106,7 @@ impl From<RenderSettings> for FlatSettings {
             sheet_thickness: settings.method.sheet_thickness(),
             sheet: None,
             sheet_values: parts.sheet_values,
+            sheet_precision: parts.sheet_precision,
             absorption: parts.absorption,
             filter: settings.method.filter(),
             coverage: settings.coverage,
@@ -196,6 +199,7 @@ impl FlatSettings {
             || self.kernel.gaussian().is_none()
             || self.kernel_edge != KernelEdge::Smooth
             || self.sheet_values != SheetValues::Mean
+            || self.sheet_precision != SheetPrecision::F32
     }
 
     /// The settings of sheets.
@@ -237,6 +241,7 @@ impl FlatSettings {
             compositing: self.splat_compositing()?,
             sheet_thickness: self.sheet_thickness,
             sheet_values: self.sheet_values,
+            sheet_precision: self.sheet_precision,
             absorption: self.absorption,
             filter: self.filter,
             alignment: self.alignment,

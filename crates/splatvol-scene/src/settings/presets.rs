@@ -22,7 +22,7 @@ const FAST_KERNEL: SheetKernel = SheetKernel {
     sigma: 0.64,
     radius: 2.0,
 };
-/// Standard deviation of `exp(-1.38 r^2)`, the papers' Gaussian of radius 2 (mueller1998 section 4.3).
+/// Standard deviation of `exp(-1.38 r^2)`, the papers' Gaussian of radius 2 (mueller1998 section 4.2).
 const PAPER_SIGMA: f64 = 0.602;
 
 impl Default for RenderSettings {
@@ -114,7 +114,7 @@ impl RenderSettings {
     /// FastSplats as huang2000 measured them (section 6): classified splats on sheets a voxel apart, a Gaussian of
     /// radius 2 cut in 128 sections, and `square-1d` into tables of 128 entries of 8 bits. Opacities are not
     /// attenuated within a sheet, values of sheets are sums, and a summed-area table hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma
-    /// 0.602, is the papers' kernel of that radius (mueller1998 section 4.3). Footprints lie parallel to the
+    /// 0.602, is the papers' kernel of that radius (mueller1998 section 4.2). Footprints lie parallel to the
     /// picture, so that they are circles.
     pub fn fastsplats2000() -> Self {
         let splats = SplatSettings {

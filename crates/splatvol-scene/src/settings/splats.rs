@@ -2,7 +2,7 @@
 
 use super::{
     Absorption, Alignment, Classification, Compositing, Extraction, Filter, Kernel, KernelEdge, Occlusion,
-    Rasterizer, Reconstruction, SheetValues, Stretch, TableLayout,
+    Rasterizer, Reconstruction, SheetPrecision, SheetValues, Stretch, TableLayout,
 };
 use crate::SceneError;
 
@@ -15,6 +15,8 @@ pub struct SplatSettings {
     pub sheet_thickness: f64,
     /// The values of sheets of data.
     pub sheet_values: SheetValues,
+    /// Number format of sheets.
+    pub sheet_precision: SheetPrecision,
     /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
@@ -84,6 +86,7 @@ impl Default for SplatSettings {
             compositing: SplatCompositing::FrontToBack,
             sheet_thickness: 0.5,
             sheet_values: SheetValues::default(),
+            sheet_precision: SheetPrecision::default(),
             absorption: Absorption::default(),
             filter: Filter::default(),
             alignment: Alignment::default(),
@@ -155,6 +158,7 @@ impl SplatSettings {
         self.stretching()?;
         self.edge()?;
         self.zeros()?;
+        self.precision()?;
         self.rasterizer_suits_kernels()
     }
 
@@ -180,8 +184,30 @@ impl SplatSettings {
             return Ok(());
         }
         let reason =
-            "sum: voxels that are not extracted would not be zeros, but take the mean of those that are";
+            "sum: voxels that are not extracted would take the mean of those that are, not the least value";
         Err(SceneError::invalid("sheet values", self.sheet_values, reason))
+    }
+
+    /// Refuses levels of numbers that have no bounds, and of sheets that are not there.
+    fn precision(&self) -> Result<(), SceneError> {
+        if self.sheet_precision == SheetPrecision::F32 {
+            return Ok(());
+        }
+        let reason = match self.compositing {
+            SplatCompositing::ImageSheets(Classification::Post) => return Ok(()),
+            SplatCompositing::ImageSheets(_) | SplatCompositing::AxisSheets => {
+                if self.absorption == Absorption::Linear {
+                    return Ok(());
+                }
+                "f32: optical depths have no highest level; opacities do (absorption linear)"
+            }
+            _ => "f32: the others are of sheets",
+        };
+        Err(SceneError::invalid(
+            "sheet precision",
+            self.sheet_precision,
+            reason,
+        ))
     }
 
     /// Refuses an edge that the footprints would not have.

@@ -3,8 +3,8 @@
 use splatvol::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings, Kernel,
     KernelEdge, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction, RenderSettings,
-    SheetContent, SheetKernel, SheetSettings, SheetValues, Shows, SplatCompositing, SplatSettings, Stretch,
-    TableLayout,
+    SheetContent, SheetKernel, SheetPrecision, SheetSettings, SheetValues, Shows, SplatCompositing,
+    SplatSettings, Stretch, TableLayout,
 };
 use splatvol_testing::Random;
 
@@ -96,10 +96,17 @@ fn splats(random: &mut Random) -> SplatSettings {
             random,
             &[Kernel::default(), Kernel::CrawfisMax, Kernel::KAISER_BESSEL],
         ),
-        sheet_values: pick(random, &[SheetValues::Mean, SheetValues::Sum]),
-        kernel_edge: pick(random, &[KernelEdge::Smooth, KernelEdge::Raw]),
+        sheet_precision: rarely(random, SheetPrecision::U8),
+        sheet_values: rarely(random, SheetValues::Sum),
+        kernel_edge: rarely(random, KernelEdge::Raw),
         ..SplatSettings::default()
     }
+}
+
+/// A value one time in six, otherwise the default: what goes with few others.
+fn rarely<T: Copy + Default>(random: &mut Random, value: T) -> T {
+    let usual = T::default();
+    pick(random, &[value, usual, usual, usual, usual, usual])
 }
 
 /// Every method survives a round trip through a file or flags, also plain splats, which differ from sheets only in the
@@ -291,6 +298,31 @@ fn what_no_method_has_is_refused_by_key() {
     refused(
         with(post, |s| s.stretch = Stretch::Trapezoid),
         "stretch: Trapezoid",
+    );
+    refused(
+        with(pre, |s| {
+            (s.sheet_precision, s.absorption) = (SheetPrecision::U8, Absorption::Exp);
+        }),
+        "sheet precision: U8",
+    );
+    refused(
+        with(pre, |s| {
+            (s.sheet_precision, s.compositing) = (SheetPrecision::U16, Compositing::PerSplat);
+        }),
+        "sheet precision: U16",
+    );
+    refused(
+        with(pre, |s| {
+            (s.kernel_edge, s.kernel) = (KernelEdge::Raw, Kernel::CrawfisMax);
+        }),
+        "kernel edge: Raw",
+    );
+    refused(
+        with(post, |s| {
+            s.sheet = Some(SheetContent::Section);
+            s.extraction = Some(Extraction::default());
+        }),
+        "sheet values: Mean",
     );
     refused(
         with(post, |s| s.motion_blur = MotionBlur::Capsule),

@@ -11,7 +11,7 @@ use crate::failure::flag;
 
 /// Flags that say nothing about the picture, only where it goes, where it comes from and how the work is
 /// done.
-const NO_KEYS: &str = "input second_input output depth overwrite like list_methods threads memory missing_chunks recipe engine stats strict allow_outside max_memory no_metadata no_effects resume quiet verbose help version";
+const NO_KEYS: &str = "input second_input output depth overwrite like list_methods threads memory missing_chunks recipe partial engine stats strict allow_outside max_memory no_metadata no_effects resume quiet verbose help version";
 
 /// Keys that are not flags: parts of a scene file, what `--like`, `--tf`, `--tf2d` and `--path` read from a file, and what an
 /// animation records of a frame.

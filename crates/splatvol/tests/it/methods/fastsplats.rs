@@ -2,9 +2,9 @@
 
 use glam::{DMat3, DVec3};
 use splatvol::{
-    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FlatSettings,
-    Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings, Renderer, Samples,
-    Scene, SheetContent, TableLayout, TablePrecision, Volume,
+    Absorption, Alignment, Classification, Compositing, Control, EngineConfig, Extraction, Filter,
+    FlatSettings, Frame, Grid, ImageSize, Kernel, Occlusion, Partial, Projection, Rasterizer, RenderSettings,
+    Renderer, Samples, Scene, SheetContent, SheetPrecision, TableLayout, TablePrecision, Volume,
 };
 use splatvol_samples::Sample;
 use splatvol_testing::{Comparison, checked};
@@ -301,6 +301,114 @@ fn culled_voxels_are_zeros_on_sheets_of_values() {
         println!("voxels from {from} of the range on: {missing:.3} of {all} covered pixels missing");
         assert!((0.0..most).contains(&missing), "{from}: {missing}");
     }
+}
+
+/// huang2000 section 5.1: buffers of 8 bits for colours and 16 for values, into a picture of 8 bits.
+#[test]
+fn sheets_of_few_bits_make_pictures_of_eight() {
+    let scene = opaque(&generated(Sample::Head, 32));
+    let camera = framing(&scene, PROJECTIONS[1], 1.0, 1.0);
+    for (classification, sheet_precision, least) in [
+        (Classification::Pre, SheetPrecision::U8, 20.0),
+        (Classification::Pre, SheetPrecision::U16, 22.0),
+        (Classification::Post, SheetPrecision::U16, 28.0),
+        (Classification::Post, SheetPrecision::U8, 12.0),
+    ] {
+        let single = checked(FlatSettings {
+            classification,
+            ..fine(96).into()
+        });
+        let few = checked(FlatSettings {
+            sheet_precision,
+            ..single.into()
+        });
+        let [exact, rounded] = [single, few].map(|settings| common::render(&scene, &camera, &settings));
+        for channel in rounded.image.pixels.as_flattened() {
+            let level = 255.0 * channel;
+            assert!(
+                (level - level.round()).abs() < 1e-3,
+                "{classification:?}: {level}"
+            );
+        }
+        let found = psnr(&rounded, &exact);
+        println!("{classification:?} {sheet_precision:?}: {found:.1} dB");
+        assert!(
+            (least..70.0).contains(&found),
+            "{classification:?} {sheet_precision:?}: {found}"
+        );
+    }
+}
+
+/// swan1997 section 3.1: partial images, front to back and back to front. The last is the picture, opacity only grows on the way,
+/// and pictures that nobody looks at are the same.
+#[test]
+fn pictures_between_sheets_lead_to_the_picture() {
+    let scene = generated(Sample::Head, 32);
+    let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
+    for (compositing, classification) in [
+        (Compositing::ImageSheets, Classification::Pre),
+        (Compositing::ImageSheets, Classification::Post),
+        (Compositing::AxisSheets, Classification::Pre),
+        (Compositing::PerSplat, Classification::Pre),
+        (Compositing::PerSplatBackToFront, Classification::Pre),
+    ] {
+        let settings = checked(FlatSettings {
+            compositing,
+            classification,
+            sheet: (classification == Classification::Post).then_some(SheetContent::Section),
+            // Several tiles, each at its own pace.
+            occlusion: Occlusion::Auto,
+            termination: 0.0,
+            ..fine(150).into()
+        });
+        let seen = std::sync::Mutex::new(Vec::<(usize, Vec<[f32; 4]>)>::new());
+        let look = |sheets: usize, pixels: &[[f32; 4]]| seen.lock().unwrap().push((sheets, pixels.to_vec()));
+        let control = Control {
+            partial: Some(Partial {
+                every: 5,
+                picture: &look,
+            }),
+            ..Control::default()
+        };
+        let mut frame = Frame::empty(settings.size);
+        let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+        renderer
+            .render_with(&scene, &camera, &settings, &mut frame, &control)
+            .unwrap();
+        let sheets = renderer.statistics().sheets;
+        let plain = common::render(&scene, &camera, &settings);
+        assert!(bits(&plain) == bits(&frame), "{compositing:?}");
+        let seen = seen.into_inner().unwrap();
+        println!(
+            "{compositing:?} {classification:?}: {} pictures of {sheets} sheets",
+            seen.len()
+        );
+        assert_eq!(seen.len(), sheets.div_ceil(5));
+        assert!(seen.len() > 2 && seen.last().unwrap() == &(sheets, frame.image.pixels.clone()));
+        let covered = |pixels: &[[f32; 4]]| pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
+        let growth: Vec<f64> = seen.iter().map(|(_, pixels)| covered(pixels)).collect();
+        assert!(
+            growth.is_sorted() && growth[0] < 0.5 * growth[growth.len() - 1],
+            "{growth:?}"
+        );
+    }
+    let look = |_: usize, _: &[[f32; 4]]| {};
+    let control = Control {
+        partial: Some(Partial {
+            every: 5,
+            picture: &look,
+        }),
+        ..Control::default()
+    };
+    let sheets = common::settings(32);
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    let mut frame = Frame::empty(sheets.size);
+    let refused = renderer.render_with(&scene, &camera, &sheets, &mut frame, &control);
+    let text = refused.unwrap_err().to_string();
+    assert!(
+        text.starts_with("partial: 5") && text.contains("fastsplats2000"),
+        "{text}"
+    );
 }
 
 /// huang2000 section 4.1 replaces the convolution by the table: both hide nothing that would be seen.
