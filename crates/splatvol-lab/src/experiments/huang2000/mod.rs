@@ -2,7 +2,6 @@
 
 mod data;
 mod differences;
-mod eight_bits;
 mod lookups;
 mod method;
 mod post;

@@ -24,8 +24,9 @@ The cell is not public; ours branches out of seeded random walks, in voxels of 1
 view while the shutter is open. Splats are composited one by one, from the Crawfis-Max kernel; blurred ones are the paper's capsules (Fig. 11, \
 eq. 11). The table adds our closed form, and takes the mean of many pictures as right. How fast the paper's cell spins is not given; the plot \
 has other speeds.\n\n\
-Motion-blurred pictures come out too bright, as the cell is opaque: what covers a pixel for a tenth of the time should hide a tenth of what is \
-behind, but its extinction, spread over that time, still hides most of it. Visibility over time is right in sub-frames only. The table has the \
+Motion-blurred pictures come out too bright. Eq. 11 dims each capsule's opacity, but many capsules lie behind each other, so that what covers a pixel \
+for a tenth of the time still hides most of what is behind; the closed form spreads extinctions and hides even more. Visibility over time is right in \
+sub-frames only. The table has the \
 brightness of the same cell made faint, too, where splats only add up: \
 by what capsules are too bright even then, eq. 11 is to blame (`mueller1998-capsule`).",
 

@@ -44,7 +44,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     about: "zwicker2001 evaluates its Gaussians of one voxel within two standard deviations only. How much of a footprint \
             lies beyond, and what the edge does to a constant layer of voxels, is computed here in f64 from the kernels' \
             equations, for the cut as the paper describes it.\n\n\
-            The engine subtracts the edge's value and gives the mass back, and its default Gaussian is cut at four standard \
+            The engine subtracts the edge's value and gives the mass back (`--kernel-edge smooth`; the preset `ewa2001` leaves both, `raw`), and its default Gaussian is cut at four standard \
             deviations. Its ripple is measured in X-ray pictures of one layer of equal voxels, 32 pixels per voxel, and \
             compared with the closed form. Kernels that end by themselves are rendered too.",
     run,

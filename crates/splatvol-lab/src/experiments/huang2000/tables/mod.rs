@@ -32,7 +32,7 @@ The paper does not tell the Gaussian's width. We take exp(-1.38 r²), which its 
     run,
 };
 
-/// The papers' kernel of radius 2 (mueller1998 section 4.3).
+/// The papers' kernel of radius 2 (mueller1998 section 4.2).
 pub(super) const KERNEL: Kernel = Kernel::Gaussian {
     sigma: 0.602,
     radius: 2.0,
