@@ -7,6 +7,7 @@
 //! | `architecture` | `ARCHITECTURE.md` names every crate, its allowed dependencies, and every stage |
 //! | `files` | no committed file names a machine's paths, no Rust file is too long, no link is broken |
 //! | `targets` | cargo runs every test: no file of a test program is left out, no test lies where none is looked for |
+//! | `papers` | `docs/papers.md` names code, tests and experiments that are there, and counts its items right |
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
@@ -23,6 +24,7 @@ mod instructions;
 mod licenses;
 mod metadata;
 mod msrv;
+mod papers;
 #[path = "../../crates/splatvol-page/sources.rs"]
 #[cfg_attr(
     not(feature = "webgpu"),
@@ -47,7 +49,7 @@ struct Task {
     run: fn(&Path, Platforms) -> Result<String>,
 }
 
-const TASKS: [Task; 5] = [
+const TASKS: [Task; 6] = [
     Task {
         name: "licenses",
         run: licenses::check,
@@ -67,6 +69,10 @@ const TASKS: [Task; 5] = [
     Task {
         name: "targets",
         run: |root, _| targets::check(root),
+    },
+    Task {
+        name: "papers",
+        run: |root, _| papers::check(root),
     },
 ];
 
@@ -155,6 +161,11 @@ mod tests {
     #[test]
     fn architecture_names_every_crate_and_stage() {
         pass("architecture");
+    }
+
+    #[test]
+    fn items_of_the_papers_are_where_the_page_says() {
+        pass("papers");
     }
 
     #[test]
