@@ -1,9 +1,9 @@
 //! Levels: sheets and pixels of 8 or 16 bits.
 //!
-//! huang2000 section 5.1 adds opacities and colours up in 8 bits per channel and values in 16, and composites both into a picture of 8 bits per
-//! channel (figures 8, 9). Each number that is added is cut to whole levels, as by shifting integers, and a sum stays at the
-//! highest level. Extinctions have no highest: splats add their opacity over a voxel's length. The paper does not say how it rounds: its differences on the phantom cube come out so, and half as large if sums
-//! are rounded to the nearest level (docs/lab.md, huang2000-differences).
+//! huang2000 section 5.1 adds opacities and colours up in 8 bits per channel and values in 16, and composites both into a
+//! picture of 8 bits per channel (figures 8, 9). Each number that is added is cut to whole levels, as by shifting integers, and
+//! a sum stays at the highest level. That is our reading: the paper does not say how it rounds. Extinctions have no highest
+//! level, so splats add their opacity over a voxel's length.
 
 use splatvol_core::splats::Profile;
 use splatvol_scene::{Classification, SheetPrecision, SplatCompositing};
